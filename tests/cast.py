@@ -14,7 +14,7 @@ from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.programs import preparation, store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import publications, results, submission, views
+from seamark.server.runs import first_results, publications, results, submission, views
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.publications import Terms
 from seamark.server.runs.queue import Claim
@@ -112,6 +112,8 @@ class Backend:
         report: dict[str, Any] = {"metrics": metrics, "manifest": MANIFEST}
         report |= {"state": RunState.SUCCEEDED, "digest": "0" * 64, "t_simulated": 1800.0} | changes
         with self.database.writing() as session:
+            if first_results.shows_fresh_trials(report.get("cause")):  # as the worker does
+                first_results.record(session, claim.run_id, report["digest"])
             return results.finish(session, claim, Report(**report))
 
     def succeeded(self, who: str = "ann", **changes: Any) -> int:

@@ -50,21 +50,6 @@ def test_the_wheel_installs_the_namespace_alone() -> None:
     assert project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"] == ["seamark"]
 
 
-def test_no_source_file_is_longer_than_400_lines() -> None:
-    sources = [
-        path
-        for path in tracked("*.py", "*.js", "*.css", "run")
-        if not {"vendor", "versions"} & set(path.parts)
-    ]
-    too_long = {
-        str(path.relative_to(ROOT)): lines
-        for path in sources
-        if (lines := path.read_text(encoding="utf-8").count("\n")) > 400
-    }
-
-    assert too_long == {}
-
-
 @pytest.mark.parametrize("package", TESTED)
 def test_the_folders_of_the_tests_are_those_of_the_code(package: str) -> None:
     names = [path.relative_to(ROOT) for path in tracked("*.py") if path.name.startswith("test_")]

@@ -1,4 +1,4 @@
-"""The table of the keys by which repeated submissions are recognised."""
+"""What is kept of submissions: keys that recognise repeated ones, and which water was seen."""
 
 from sqlalchemy import BigInteger, ForeignKey, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
@@ -20,3 +20,17 @@ class KeyOfSubmission(Base):
     created_at: Mapped[float]
 
     __table_args__ = (Index("ix_submission_keys_user_id_created_at", "user_id", "created_at"),)
+
+
+class SeenSubmission(Base):
+    """A ranked submission whose fresh water somebody could see; kept for good.
+
+    Neither run nor user is referred to by a key: the row outlives both.
+    """
+
+    __tablename__ = "seen_submissions"
+
+    submission: Mapped[str] = mapped_column(String(64), primary_key=True)
+    run_id: Mapped[int] = mapped_column(BigInteger)  # the first one whose data could be seen
+    digest: Mapped[str | None] = mapped_column(String(64))  # of its telemetry; NULL: it failed
+    seen_at: Mapped[float]

@@ -10,14 +10,14 @@ from sqlalchemy import Connection, inspect, text
 # delete.
 READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
-    "rejudgements",
+    *("rejudgements", "seen_submissions"),
 )
 CHANGED = ("runs", "assigned_runs", "rejudged_runs", "verifications")
 OWN = (
     *("best", "checks", "counters", "disk_usage", "paces", "rank_points", "results"),
     *("publications", "score_counts", "turns", "workers"),
 )
-ADDED = ("run_notices",)  # to which they only add
+ADDED = ("run_notices", "seen_submissions")  # to which they only add
 _USERS_HIDDEN = frozenset(("password_hash",))
 # What only the role of the service may do; see seamark.worker.service.maintenance.
 BEYOND = ("users", "audit_entries")

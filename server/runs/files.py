@@ -4,7 +4,8 @@
 `columns.json` (their names, so that a version with other columns can still read the rows),
 `log.txt` (the start of the program's output), `log.tail` (the end of a longer output),
 `manifest.json` and `metrics.json`. Each attempt has its own folder, so that a worker that
-lost its lease never writes into the files of the next attempt.
+lost its lease never writes into the files of the next attempt. What nobody may see yet is in a
+folder beside it, `<attempt>.held`.
 """
 
 import json
@@ -29,6 +30,8 @@ from seamark.sim.recording.telemetry import INDEX, WIDTH
 HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
 TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
 RUNS_PER_FOLDER = 1000
+HELD = ".held"  # ends the name of the folder of what is held back
+_COPIED_BYTES = 4 * 2**20  # at a time
 _COUNT_BYTES = 8
 Rows = NDArray[np.float64]
 
@@ -91,13 +94,35 @@ class RunFiles:
 
         A worker that does not know it yet fails at its next write.
         """
-        for attempt in self.attempts():
-            if attempt < self.attempt:
-                shutil.rmtree(self.root / str(attempt), ignore_errors=True)
+        for entry in self.root.iterdir() if self.root.is_dir() else ():
+            attempt = entry.name.removesuffix(HELD)
+            if attempt.isdigit() and int(attempt) < self.attempt:
+                shutil.rmtree(entry, ignore_errors=True)
 
     def remove(self) -> None:
-        """Remove the files of this attempt."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Remove the files of this attempt, with what was held back."""
+        for folder in (self.folder, self.root / f"{self.attempt}{HELD}"):
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def held_back(self) -> "RunFiles":
+        """Return where rows and log of this attempt are written that nobody may see yet."""
+        held = RunFiles(self.data, self.run_id, self.attempt)
+        held.folder = self.root / f"{self.attempt}{HELD}"
+        return held
+
+    def append_all(self, held: "RunFiles") -> None:
+        """Append the rows and the log of other files, and remove those."""
+        if held.telemetry_path.exists():
+            with held.telemetry_path.open("rb") as file:
+                while piece := file.read(_COPIED_BYTES):
+                    self._append(self.telemetry_path, piece)
+        head, kept = (_bytes(held.folder / name) for name in ("log.txt", "log.tail"))
+        self.append_log(head)
+        if kept:
+            # As far as the tail lies behind the head: what was not kept between them counts, too.
+            self._written += int.from_bytes(kept[:_COUNT_BYTES], "little") - len(head)
+            self.append_log(kept[_COUNT_BYTES:])
+        held.remove()
 
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""

@@ -5,7 +5,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import and_, case, or_, select, update
+from sqlalchemy import case, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
@@ -13,6 +13,7 @@ from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import (
     best_runs,
     connected,
+    first_results,
     method_names,
     paces,
     publications,
@@ -22,7 +23,6 @@ from seamark.server.runs import (
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.publications import Terms
 from seamark.server.runs.queue import Claim
-from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
 from seamark.server.runs.trial_scores import trial_scores
 from seamark.sim.engine.seeds import REFERENCE
@@ -159,25 +159,7 @@ def _refusal(session: Session, claim: Claim, report: Report) -> str | None:
     if run.kind != RunKind.RANKED or report.state is not RunState.SUCCEEDED:
         return None
     by_benchmark: str | None = (report.metrics or {}).get("not_ranked")
-    if by_benchmark is not None or run.submission is None or run.program_sha256 is None:
-        return by_benchmark
-    # Its seeds are known since the first of these runs. A program that now behaves in another way
-    # has been told something about them, by the time or by the name of its file.
-    own = and_(Run.state == RunState.RUNNING, Run.user_id == run.user_id)
-    first = session.execute(
-        select(Run.id, Result.digest)
-        .outerjoin(Result, Result.run_id == Run.id)
-        .where(Run.submission == run.submission, Run.id != run.id, or_(ranked_ended(), own))
-        .order_by(Run.started_at, Run.id)
-        .limit(1)
-    ).one_or_none()
-    if first is None or first.digest == report.digest:
-        return None
-    return (
-        f"Run {first.id} was of the same program and configuration and did not have this result. "
-        "The first run of a submission counts, because its fresh trials are known from then on. "
-        "Change the program to enter again, with other fresh trials."
-    )
+    return by_benchmark or first_results.refusal(session, run, report.digest)
 
 
 def _is_baseline(session: Session, claim: Claim) -> bool:

@@ -5,8 +5,8 @@ Everything is real: uploads by the HTTP interface, the queue, a worker's simulat
 
 import io
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +16,11 @@ from flask import Flask
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.runs import verifications
+from seamark.server.runs import account_deletion, verifications
+from seamark.server.runs.states import RunState
 from seamark.server.runs.verifications import Outcome, VerificationView
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
@@ -70,6 +72,29 @@ class Tracker:
     def update(self, image):
         return self.answers.pop(0) if len(self.answers) > 1 else self.answers[0]
 """
+STARTER = LANGUAGES["python"].starter("tracker")
+assert STARTER is not None
+CHANGED = """
+import os
+import time
+
+_update = Tracker.update
+
+
+def _changed(self, image):
+    {before}
+    corners = _update(self, image)
+    return None if corners is None else corners + 1e-3 * {error}
+
+
+Tracker.update = _changed
+"""
+GOOD = STARTER.text().encode()
+NAMED = GOOD + CHANGED.format(before="pass", error="len(__file__)").encode()
+DICE = GOOD + CHANGED.format(before="pass", error="os.urandom(1)[0]").encode()
+SLOW = (
+    GOOD + CHANGED.format(before="print('image', flush=True); time.sleep(0.004)", error=0).encode()
+)
 PROTOCOL = BENCHMARK.protocol
 assert PROTOCOL is not None
 REFERENCE = PROTOCOL.reference_trials
@@ -81,11 +106,16 @@ class Service(Backend):
 
     app: Flask
     context: RunContext
+    tokens: dict[str, str] = field(default_factory=dict)
+    watch: Callable[[], None] = lambda: None  # is called again and again while a run goes on
 
     def call(self, who: str, method: str, path: str, **options: Any) -> Any:
-        with self.database.writing() as session:
-            token = accounts.new_token(session, self.user_id(who), "t", ("read", "submit"), days=1)
-        headers = {"Authorization": f"Bearer {token}"}
+        if who not in self.tokens:
+            scopes = ("read", "submit")
+            with self.database.writing() as session:
+                token = accounts.new_token(session, self.user_id(who), "t", scopes, days=1)
+            self.tokens[who] = token
+        headers = {"Authorization": f"Bearer {self.tokens[who]}"}
         return self.app.test_client().open(
             f"/api/v1/runs{path}", method=method, headers=headers, **options
         )
@@ -98,6 +128,18 @@ class Service(Backend):
         benchmark: str = NAME,
     ) -> RunView:
         """Submit a ranked run of a program, else of the built-in tracker, and evaluate it."""
+        self.submit(who, program, name, benchmark)
+        view = self.show(self.evaluate_next())
+        assert view.cause is None, view.detail
+        return view
+
+    def submit(
+        self,
+        who: str,
+        program: bytes | None = None,
+        name: str = "mine.py",
+        benchmark: str = NAME,
+    ) -> int:
         run = {"benchmark": benchmark, "kind": "ranked"}
         if program is None:
             built_in = {"controller": next(iter(BENCHMARK.built_in))}
@@ -106,9 +148,7 @@ class Service(Backend):
             form = {"run": json.dumps(run), "program": (io.BytesIO(program), name)}
             answer = self.call(who, "POST", "", data=form, content_type="multipart/form-data")
         assert answer.status_code == 202, answer.text
-        view = self.show(self.evaluate_next())
-        assert view.cause is None, view.detail
-        return view
+        return int(answer.json["id"])
 
     def evaluate_next(self) -> int:
         claim = self.claim_next()
@@ -127,6 +167,8 @@ class Service(Backend):
 
     def telemetry(self, who: str, run_id: int) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
         answer = self.call(who, "GET", f"/{run_id}/telemetry.f64")
+        if answer.status_code == 404:  # nothing yet
+            return {"trial": np.empty(0)}
         columns = answer.headers["X-Columns"].split(",")
         return dict(
             zip(columns, np.frombuffer(answer.data).reshape(-1, len(columns)).T, strict=True)
@@ -164,9 +206,10 @@ def service(
         redis=Redis.from_url(backend.settings.broker_url),
         simulator=simulator,
         isolation=isolation,
-        shutting_down=lambda: False,
+        shutting_down=lambda: bool(found.watch()),
     )
-    yield Service(**vars(backend), app=app, context=context)
+    found = Service(**vars(backend), app=app, context=context)
+    yield found
     app.extensions["seamark"].close()
 
 
@@ -242,3 +285,73 @@ def test_the_same_submission_has_the_same_result_and_a_changed_byte_other_fresh_
     assert not set(first.manifest["seeds"][REFERENCE:]) & set(changed.manifest["seeds"][REFERENCE:])
     assert _digests(first)[:REFERENCE] == _digests(changed)[:REFERENCE]
     assert not set(_digests(first)[REFERENCE:]) & set(_digests(changed)[REFERENCE:])
+
+
+def _trials(service: Service, who: str, run_id: int) -> list[int]:
+    return sorted({int(trial) for trial in service.telemetry(who, run_id)["trial"]})
+
+
+def test_nobody_sees_the_fresh_trials_of_a_run_before_its_end(service: Service) -> None:
+    run_id = service.submit("ann", SLOW)
+    seen: list[tuple[float, list[int], str]] = []
+
+    def watch() -> None:
+        run = service.call("ann", "GET", f"/{run_id}").json
+        log = service.call("ann", "GET", f"/{run_id}/log.txt")
+        text = log.text if log.status_code == 200 else ""
+        seen.append((run["t_simulated"], _trials(service, "ann", run_id), text))
+
+    service.watch = watch
+    service.evaluate_next()
+    service.watch = lambda: None
+
+    reference = list(range(REFERENCE))
+    ended = service.show(run_id)
+    log = service.call("ann", "GET", f"/{run_id}/log.txt").text
+    assert ended.state == RunState.SUCCEEDED
+    assert _trials(service, "ann", run_id) == list(range(ended.trials))
+    images = max(text.count("image") for _, _, text in seen)
+    assert any(trials == reference for _, trials, _ in seen)  # these are seen as they are recorded
+    assert all(set(trials) <= set(reference) for _, trials, _ in seen)
+    assert images * ended.trials == log.count("image") * REFERENCE
+
+
+def test_who_cancels_a_run_sees_no_fresh_trial_and_uses_nothing_up_for_others(
+    service: Service,
+) -> None:
+    run_id = service.submit("ann", SLOW)
+    reference_rows = BENCHMARK.read({}).telemetry_shape()[0] * REFERENCE
+
+    def cancel_in_fresh_water() -> None:
+        if len(service.telemetry("ann", run_id)["trial"]) == reference_rows:
+            service.cancel(run_id)
+
+    service.watch = cancel_in_fresh_water
+    service.evaluate_next()
+    service.watch = lambda: None
+    honest, again = (service.ranked(who, SLOW) for who in ("ben", "ann"))
+
+    assert service.show(run_id).state == RunState.CANCELLED
+    assert _trials(service, "ann", run_id) == list(range(REFERENCE))
+    assert honest.rankable is True
+    assert again.digest == honest.digest
+
+
+def test_a_program_cannot_be_told_anything_by_the_name_of_its_file(service: Service) -> None:
+    first = service.ranked("ann", NAMED, name="a.py")
+    again = service.ranked("ben", NAMED, name="a-much-longer-name.py")
+
+    assert (again.digest, again.rankable) == (first.digest, True)
+
+
+def test_an_account_that_is_deleted_does_not_take_away_what_it_has_seen(service: Service) -> None:
+    service.ranked("ann", DICE)
+    with service.database.writing() as session:
+        account_deletion.close(session, service.user_id("ann"), keep_published=False)
+    while account_deletion.step(service.database, service.settings):
+        pass
+
+    later = service.ranked("ben", DICE)
+
+    assert later.rankable is False
+    assert (later.not_ranked or "").startswith("A run of another account was of the same program")

@@ -5,11 +5,12 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import structlog
 from redis import Redis
 from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
@@ -17,10 +18,8 @@ from seamark.server import meters, objects, storage
 from seamark.server.database import data_folder
 from seamark.server.database.engine import Database
 from seamark.server.programs import parameters
+from seamark.server.runs import first_results, results
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs import results
-from seamark.server.runs.error_curve import error_curve
-from seamark.server.runs.failure_reasons import describe
 from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
@@ -30,6 +29,7 @@ from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome
+from seamark.worker.service import run_report
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
 from seamark.worker.service.run_upload import RunUpload, fetched_program
@@ -43,8 +43,8 @@ STORE_RETRY_S = 1.0
 STORE_AWAY_S = 600.0  # [s] that the object storage may be away at a stretch
 STOP_UPLOAD_S = 2.0  # that a run which has ended otherwise waits for a part that is being stored
 DATABASE_AWAY = (OperationalError, InterfaceError)
-LOG_TAIL = 2000  # [character] of the log shown with a failure
 _log = structlog.get_logger()
+_Result = TypeVar("_Result")
 
 
 class LeaseEnded(Exception):
@@ -80,12 +80,14 @@ class RunDriver:
             self._upload = RunUpload(stored, context.redis, self._files, claim.run_id)
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
+        protocol = benchmark.protocol if claim.kind is RunKind.RANKED else None
         chosen, _ = parameters.split(claim.config)
         self._trial_s = benchmark.trial_duration_s(benchmark.read(chosen))
         self._recorder = RunRecorder(
             self._files,
             trial_s=self._trial_s,
             truncate=None if self._upload is None else self._upload.truncate_rows,
+            shown_trials=None if protocol is None else protocol.reference_trials,
         )
         self._program: Path | None = None
         self._poll_at = self._heartbeat_at = self._disk_at = 0.0
@@ -107,7 +109,35 @@ class RunDriver:
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))
         self._count(simulation, outcome)
-        return self._report(outcome)
+        progress = 1.0 if outcome.failure is None else self._progress()
+        return run_report.of(
+            self._settled(outcome),
+            self._files,
+            benchmark=self._claim.benchmark,
+            progress=progress,
+            t_simulated=self._recorder.t_simulated,
+            isolation=self._isolation(),
+        )
+
+    def _settled(self, outcome: RunOutcome) -> RunOutcome:
+        """Show what was held back, or discard it; return what may be said of the outcome.
+
+        Once it is shown, it counts as seen: even if the run cannot be stored after that.
+        """
+        if not self._recorder.holds_back:
+            return outcome
+        if not first_results.shows_fresh_trials(outcome.failure):
+            self._recorder.discard()
+            return replace(outcome, sentence="", traceback="")  # which the program could choose
+
+        def record(session: Session) -> None:
+            self._require_lease(run_queue.poll(session, self._claim))
+            digest = outcome.digest if outcome.failure is None else None
+            first_results.record(session, self._claim.run_id, digest)
+
+        self._when_there(record)
+        self._recorder.show()
+        return outcome
 
     def _count(self, simulation: Simulation, outcome: RunOutcome) -> None:
         """Count how long the phases took, for monitoring; a run without rows never simulated."""
@@ -187,11 +217,14 @@ class RunDriver:
             self._upload.remove()
 
     def _finish(self, report: Report) -> bool:
-        """Store the report as soon as the database is there: the evaluation took longer."""
+        return self._when_there(lambda session: results.finish(session, self._claim, report))
+
+    def _when_there(self, action: Callable[[Session], _Result]) -> _Result:
+        """Do something as soon as the database is there: the evaluation took longer."""
         while True:
             try:
                 with self._context.database.writing() as session:
-                    return results.finish(session, self._claim, report)
+                    return action(session)
             except DATABASE_AWAY as error:
                 if self._context.shutting_down():
                     raise
@@ -204,11 +237,12 @@ class RunDriver:
             return run_queue.poll(session, self._claim) is LeaseStatus.CANCELLED
 
     def store_cancelled(self) -> None:
-        """Keep what there is of a run that its owner cancelled."""
+        """Keep what there is of a run that its owner cancelled, and may be seen."""
+        self._recorder.discard()
         t_simulated = self._recorder.t_simulated
         report = Report(
             state=RunState.CANCELLED,
-            detail={"t_reached": t_simulated, "log_tail": self._log_tail()},
+            detail={"t_reached": t_simulated, "log_tail": run_report.log_tail(self._files)},
             progress=self._progress(),
             t_simulated=t_simulated,
             isolation=self._isolation(),
@@ -317,27 +351,3 @@ class RunDriver:
 
     def _isolation(self) -> str | None:
         return self._context.isolation.name.lower() if self._claim.program_sha256 else None
-
-    def _log_tail(self) -> str:
-        return self._files.log_text()[-LOG_TAIL:]
-
-    def _report(self, outcome: RunOutcome) -> Report:
-        """Return what is stored and shown of an outcome."""
-        failure = outcome.failure
-        detail: dict[str, Any] = {"usage": outcome.usage}
-        if failure is not None:
-            detail |= describe(failure, sentence=outcome.sentence)
-            detail |= {"traceback": outcome.traceback, "log_tail": self._log_tail()}
-            detail["t_reached"] = self._recorder.t_simulated
-        return Report(
-            state=RunState.SUCCEEDED if failure is None else RunState.FAILED,
-            cause=failure,
-            detail=detail,
-            metrics=outcome.metrics,
-            manifest=outcome.manifest,
-            digest=outcome.digest,
-            progress=1.0 if failure is None else self._progress(),
-            t_simulated=self._recorder.t_simulated,
-            isolation=self._isolation(),
-            error_curve=error_curve(self._files, self._claim.benchmark),
-        )

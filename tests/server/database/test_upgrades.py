@@ -26,7 +26,7 @@ from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNo
 from seamark.server.database.publication_tables import Verification
 from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
-from seamark.server.database.submission_tables import KeyOfSubmission
+from seamark.server.database.submission_tables import KeyOfSubmission, SeenSubmission
 from seamark.server.database.tables import Worker
 from seamark.server.settings import Settings
 from tests.cast import Backend
@@ -92,6 +92,7 @@ def _fill(backend: Backend) -> None:
         audit.record(session, Actor("ann"), AuditAction.ACCOUNT_DISABLED, "ben")
         first = {"number": 1, "created_at": 0.0}
         session.add(KeyOfSubmission(user_id=ann, key="k", request="r", **first))
+        session.add(SeenSubmission(submission="s", run_id=1, digest="d", seen_at=1.0))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
         session.add(RejudgedRun(run_id=2, rejudgement_id=1))
         session.add(Verification(again_id=2, run_id=1, requested_at=1.0))

@@ -224,3 +224,48 @@ def test_the_size_is_that_of_all_files_of_the_attempt(tmp_path: Path) -> None:
 
     columns = (files.folder / "columns.json").stat().st_size
     assert files.size() == 3 * 8 * WIDTH + 5 + columns
+
+
+@given(
+    st.lists(st.tuples(st.booleans(), st.integers(1, HEAD_MAX + TAIL_MAX)), max_size=6),
+    st.integers(1, 255),
+)
+@hypothesis_settings(max_examples=30, deadline=None)
+def test_what_was_held_back_is_read_as_if_it_had_been_written_at_once(
+    tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[bool, int]], first: int
+) -> None:
+    plain = RunFiles(tmp_path_factory.mktemp("plain"), 7, 1)
+    shown = RunFiles(tmp_path_factory.mktemp("held"), 7, 1)
+    held = shown.held_back()
+    for is_held, size in sorted(pieces):
+        text = bytes((first + at) % 95 + 32 for at in range(size))
+        for where in (plain, held if is_held else shown):
+            where.append_log(text)
+            where.append_rows(_rows(size % 5 + 1))
+
+    shown.append_all(held)
+
+    assert np.array_equal(shown.rows(), plain.rows())
+    assert (shown.log_text(), shown.log_length()) == (plain.log_text(), plain.log_length())
+    assert not held.folder.exists()
+
+
+def test_what_is_held_back_is_in_no_file_of_the_run(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(2))
+    files.held_back().append_rows(_rows(3))
+    files.held_back().append_log(b"secret")
+
+    seen = RunFiles(tmp_path, 7)
+
+    assert (seen.attempt, seen.row_count(), seen.log_text()) == (1, 2, "")
+
+
+def test_a_later_attempt_removes_what_an_earlier_one_held_back(tmp_path: Path) -> None:
+    earlier = RunFiles(tmp_path, 7, 1)
+    earlier.append_rows(_rows(2))
+    earlier.held_back().append_rows(_rows(3))
+
+    RunFiles(tmp_path, 7, 2).remove_earlier_attempts()
+
+    assert list(earlier.root.iterdir()) == []

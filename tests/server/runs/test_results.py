@@ -6,7 +6,7 @@ import pytest
 
 from seamark.server.database.tables import User
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import leaderboard
+from seamark.server.runs import account_deletion, leaderboard
 from seamark.server.runs.states import RunState
 from tests.cast import PROGRAM, Backend
 
@@ -58,7 +58,8 @@ def test_another_result_of_the_same_submission_does_not_rank(both: Backend, who:
     assert both.show(first).rankable is True
     view = both.show(second)
     assert view.rankable is False
-    assert f"Run {first} was of the same program" in (view.not_ranked or "")
+    named = f"Run {first}" if who == "ann" else "A run of another account"  # which is private
+    assert (view.not_ranked or "").startswith(f"{named} was of the same program")
 
 
 def test_a_submission_whose_first_run_failed_does_not_rank(both: Backend) -> None:
@@ -70,13 +71,68 @@ def test_a_submission_whose_first_run_failed_does_not_rank(both: Backend) -> Non
     assert both.show(second).rankable is False
 
 
-def test_a_submission_that_was_cancelled_while_it_ran_does_not_rank(both: Backend) -> None:
+def test_a_published_run_is_named_as_the_first_one(both: Backend) -> None:
+    program = both.store_program()
+    first = both.publish(_ended(both, "eva", DIGESTS[0], program))
+
+    second = _ended(both, "ben", DIGESTS[1], program)
+
+    assert f"Run {first} was of the same program" in (both.show(second).not_ranked or "")
+
+
+@pytest.mark.parametrize("how", ["cancelled", "time_limit"])
+def test_a_run_whose_fresh_trials_nobody_saw_uses_a_submission_up_for_its_account_alone(
+    both: Backend, how: str
+) -> None:
+    program = both.store_program()
+    claim = both.running("ann", benchmark=V2, kind="ranked", controller="upload", program=program)
+    if how == "cancelled":
+        both.cancel(claim.run_id)
+    else:
+        both.finish(claim, state=RunState.FAILED, cause=how, metrics=None)
+    honest = _ended(both, "ben", DIGESTS[1], program)
+    changed = _ended(both, "ann", DIGESTS[0], both.store_program(PROGRAM + b"# changed\n"))
+
+    assert both.show(honest).rankable is True
+    assert both.show(changed).rankable is True
+
+
+def test_who_cancelled_a_run_after_its_start_cannot_rank_with_the_same_program(
+    both: Backend,
+) -> None:
     program = both.store_program()
     claim = both.running("ann", benchmark=V2, kind="ranked", controller="upload", program=program)
     both.cancel(claim.run_id)
-    second = _ended(both, "ann", DIGESTS[1], program)
+    again = _ended(both, "ann", DIGESTS[1], program)
 
-    assert both.show(second).rankable is False
+    view = both.show(again)
+    assert view.rankable is False
+    assert f"Run {claim.run_id} was of the same program" in (view.not_ranked or "")
+
+
+def test_of_two_runs_at_the_same_time_the_first_to_end_counts_whoever_began(both: Backend) -> None:
+    program = both.store_program()
+    wanted: dict[str, Any] = {"benchmark": V2, "kind": "ranked", "controller": "upload"}
+    began, overlapping = (both.running(who, program=program, **wanted) for who in ("ann", "ben"))
+    both.finish(overlapping, digest=DIGESTS[1])
+    both.finish(began, digest=DIGESTS[0])
+
+    assert both.show(overlapping.run_id).rankable is True
+    assert both.show(began.run_id).rankable is False
+
+
+@pytest.mark.parametrize("digest", DIGESTS)
+def test_what_a_deleted_account_saw_still_counts(both: Backend, digest: str) -> None:
+    program = both.store_program()
+    _ended(both, "ann", DIGESTS[0], program)
+    with both.database.writing() as session:
+        account_deletion.close(session, both.user_id("ann"), keep_published=False)
+    while account_deletion.step(both.database, both.settings):
+        pass
+    later = both.show(_ended(both, "ben", digest, program))
+
+    assert later.rankable is (digest == DIGESTS[0])
+    assert "Run" not in (later.not_ranked or "")
 
 
 def test_failures_of_the_platform_do_not_spoil_a_submission(both: Backend) -> None:
