@@ -200,13 +200,18 @@ def service(
     changes = {"ranked_trials": 4, "seed_key": "the same water in each test"}
     backend.settings = backend.settings.model_copy(update=changes)
     app = create_app(backend.settings)
+
+    def watched() -> bool:
+        found.watch()
+        return False
+
     context = RunContext(
         settings=backend.settings,
         database=backend.database,
         redis=Redis.from_url(backend.settings.broker_url),
         simulator=simulator,
         isolation=isolation,
-        shutting_down=lambda: bool(found.watch()),
+        shutting_down=watched,
     )
     found = Service(**vars(backend), app=app, context=context)
     yield found
