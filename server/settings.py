@@ -2,12 +2,13 @@
 
 import os
 import re
-import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from seamark.server.key_files import KEY_FILES, KeyEmpty, drawn, kept
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
@@ -16,6 +17,7 @@ LogFormat = Literal["auto", "json", "text"]
 MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
 SIGNS_NOTHING = "a worker signs nothing"  # its secret key: it never reads that of the service
+LOOKING = "looking"  # context of a validation that writes nothing
 REPLACED = {  # setting of an earlier version -> what to write instead
     "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
 }
@@ -291,25 +293,41 @@ class Settings(BaseModel):
         return self
 
     def model_post_init(self, context: object, /) -> None:
-        """Create the folder and the secrets that all processes of the service share."""
+        """Read the keys that all processes of the service share; draw those that are missing.
+
+        With `LOOKING` as context nothing is written: a key that is missing stays empty.
+        """
+        if context != LOOKING:
+            self._draw_keys()
+        for name, file in KEY_FILES.items():
+            if not getattr(self, name) and (self.data / file).exists():
+                object.__setattr__(self, name, kept(self.data / file))
+
+    def _draw_keys(self) -> None:
         self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
         is_new = not any(self.data.iterdir())
-        if not self.secret_key:
-            object.__setattr__(self, "secret_key", _stored_secret(self.data / "secret"))
+        secret = self.secret_key or kept(self.data / "secret", drawn())
         if not self.seed_key:
             # Earlier versions derived the seeds from the secret key: they must stay the same.
-            is_new = is_new or self.secret_key == SIGNS_NOTHING
-            first = secrets.token_urlsafe(48) if is_new else self.secret_key
-            object.__setattr__(self, "seed_key", _stored_secret(self.data / "seed_key", first))
+            is_new = is_new or secret == SIGNS_NOTHING
+            kept(self.data / "seed_key", drawn() if is_new else secret)
 
     @classmethod
-    def load(cls, environ: Mapping[str, str] | None = None) -> Self:
-        """Return the settings of the environment; raises SettingsInvalid with a sentence each."""
+    def load(cls, environ: Mapping[str, str] | None = None, *, looking: bool = False) -> Self:
+        """Return the settings of the environment; raises SettingsInvalid with a sentence each.
+
+        Parameters
+        ----------
+        looking
+            Write nothing: neither the data folder nor keys that are missing, which stay empty.
+        """
         values = _values(os.environ if environ is None else environ)
         try:
-            return cls.model_validate(values)
+            return cls.model_validate(values, context=LOOKING if looking else None)
         except ValidationError as wrong:
             raise SettingsInvalid("; ".join(_sentences(wrong))) from None
+        except KeyEmpty as empty:
+            raise SettingsInvalid(str(empty)) from None
 
     @classmethod
     def table(cls) -> str:
@@ -344,15 +362,25 @@ def _values(environ: Mapping[str, str]) -> dict[str, object]:
             raise SettingsInvalid(f"{variable} is not a setting of Seamark{hint}")
         if name in values:
             raise SettingsInvalid(f"{PREFIX}{name.upper()} is given twice, directly and as a file")
+        # Nobody means an empty secret: what draws or writes it has failed.
+        if not value.strip() and not Settings.model_fields[name].repr:
+            raise SettingsInvalid(f"{variable} is empty. Give it a value, or leave it out")
         values[name] = value
     return values
 
 
 def _content(variable: str, path: str) -> str:
     try:
-        return Path(path).read_text(encoding="utf-8").strip()
+        content = Path(path).read_text(encoding="utf-8").strip()
     except OSError as error:
         raise SettingsInvalid(f"{variable}: {path} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SettingsInvalid(f"{variable}: {path} is no text") from None
+    if not content:
+        raise SettingsInvalid(
+            f"{variable}: {path} is empty. Write the value into it, or leave the variable out"
+        )
+    return content
 
 
 def _sentences(wrong: ValidationError) -> list[str]:
@@ -360,18 +388,3 @@ def _sentences(wrong: ValidationError) -> list[str]:
         f"{PREFIX}{'_'.join(str(part) for part in error['loc']).upper() or '*'}: {error['msg']}"
         for error in wrong.errors()
     ]
-
-
-def _stored_secret(path: Path, first: str = "") -> str:
-    """Return the secret in `path`; `first`, or a generated one, at the first call. Race-free."""
-    if not path.exists():
-        draft = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
-        with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-            file.write(first or secrets.token_urlsafe(48))
-        try:
-            os.link(draft, path)  # fails if another process was faster: then its secret counts
-        except FileExistsError:
-            pass
-        finally:
-            draft.unlink()
-    return path.read_text(encoding="utf-8").strip()

@@ -144,8 +144,14 @@ def configuration_options(command: Command) -> Command:
     )(command)
 
 
-def settings_of(data: Path | None, **chosen: object) -> Settings:
-    """Return the settings of the environment, overridden by options of the command line."""
+def settings_of(data: Path | None, *, looking: bool = False, **chosen: object) -> Settings:
+    """Return the settings of the environment, overridden by options of the command line.
+
+    Parameters
+    ----------
+    looking
+        Make neither a data folder nor keys where there are none.
+    """
     from seamark.server.settings import PREFIX, Settings, SettingsInvalid
 
     environ = {key: value for key, value in os.environ.items() if key not in OF_CLIENTS}
@@ -155,7 +161,7 @@ def settings_of(data: Path | None, **chosen: object) -> Settings:
             environ.pop(f"{PREFIX}{name.upper()}_FILE", None)
             environ[PREFIX + name.upper()] = str(value)
     try:
-        return Settings.load(environ)
+        return Settings.load(environ, looking=looking)
     except SettingsInvalid as error:
         raise UsageRefused(f"{error}.") from None
     except OSError as error:

@@ -8,10 +8,12 @@ import json
 import os
 import shutil
 from collections import Counter
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from pydantic import ValidationError
-from sqlalchemy import Connection, update
+from sqlalchemy import Connection, make_url, update
 
 from seamark.server import audit, storage, workers
 from seamark.server.audit import COMMAND_LINE, AuditAction
@@ -21,6 +23,7 @@ from seamark.server.backup.layout import Header, Summary
 from seamark.server.database import data_folder, schema
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
+from seamark.server.key_files import KEY_FILES, kept
 from seamark.server.runs import retention
 from seamark.server.settings import Settings
 
@@ -39,32 +42,48 @@ def check(source: Path, on_bytes: OnBytes) -> Header:
     return header
 
 
-def restore(settings: Settings, source: Path, *, force: bool, on_bytes: OnBytes) -> Summary:
-    """Restore a backup; the caller holds the lock of the data folder.
+def restore(
+    settings: Settings,
+    source: Path,
+    *,
+    force: bool,
+    on_bytes: OnBytes,
+    locked: Callable[[Path], AbstractContextManager[None]] = lambda _: nullcontext(),
+) -> Summary:
+    """Restore a backup.
 
     Parameters
     ----------
+    settings
+        May be of somebody who only looks: the keys come from the backup.
     force
         Replace the service that is there: its accounts, runs and programs are lost.
     on_bytes
         Told the bytes that have been read; the backup is read twice.
+    locked
+        Locks the data folder, once it is known that the backup can be restored.
 
     Raises
     ------
     RestoreRefused, ArchiveRejected
-        Nothing was changed.
+        Nothing was changed, and nothing new is there.
     """
     header, keys = _beginning(source)
     _require_known(header)
     _require_same_storage(header, settings)
     _require_key(settings, keys["seed_key"])
     _require_free_place(settings, force=force)
+    if not force:
+        _require_room(settings.data, source.stat().st_size)
     archive.verify(source, on_bytes)
-    data_folder.unfinished(settings.data).write_text(f"{source}\n", encoding="utf-8")
-    _clear(settings.data)
-    with schema.replaced(settings, header.schema_revision) as connection:
-        summary = _unpack(connection, settings, source, on_bytes)
-    _settle(settings, keys, source)
+    settings.data.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with locked(settings.data):
+        _require_free_place(settings, force=force)  # now, too
+        data_folder.unfinished(settings.data).write_text(f"{source}\n", encoding="utf-8")
+        _clear(settings.data)
+        with schema.replaced(settings, header.schema_revision) as connection:
+            summary = _unpack(connection, settings, source, on_bytes)
+        _settle(settings, keys, source)
     return summary
 
 
@@ -79,7 +98,7 @@ def _beginning(source: Path) -> tuple[Header, dict[str, str]]:
             break
         else:
             keys[name] = content.read().decode()
-    if header is None or keys.keys() != {*layout.KEYS}:
+    if header is None or keys.keys() != {*layout.KEYS} or not all(keys.values()):
         raise ArchiveRejected(f"{source} is not a backup of Seamark")
     return header, keys
 
@@ -117,24 +136,21 @@ def _require_same_storage(header: Header, settings: Settings) -> None:
 
 def _require_key(settings: Settings, key: str) -> None:
     """Refuse a key of the environment that is not the one of the backup."""
-    if not (settings.data / "seed_key").exists() and settings.seed_key != key:
+    if _is_given(settings, "seed_key") and settings.seed_key != key:
         raise RestoreRefused(
             "SEAMARK_SEED_KEY is not the key of the backup: ranked runs would meet other water. "
             "Set it to the key of the service that was backed up, or do not set it"
         )
 
 
+def _is_given(settings: Settings, name: str) -> bool:
+    """Return whether a key comes from the environment and not from the data folder."""
+    return bool(getattr(settings, name)) and not (settings.data / KEY_FILES[name]).exists()
+
+
 def _require_free_place(settings: Settings, *, force: bool) -> None:
     """Refuse a place where a service runs; without `force`, also one where there is a service."""
-    database = Database(settings.database_url)
-    try:
-        with database.engine.connect() as connection:
-            revision = schema.revision_of(connection)
-        newest = schema.newest_revision()
-        if revision == newest:
-            _require_no_worker(database)
-    finally:
-        database.close()
+    revision, newest = _revision(settings), schema.newest_revision()
     if not force and (revision is not None or _is_used(settings.data)):
         raise RestoreRefused(
             f"There is a service in {settings.data} or in its database. Choose an empty folder "
@@ -145,6 +161,33 @@ def _require_free_place(settings: Settings, *, force: bool) -> None:
         raise RestoreRefused(
             f"The database that --force would replace has schema {revision}, and this version "
             f"has {newest}. Give an empty database, or run `seamark db upgrade` first"
+        )
+
+
+def _revision(settings: Settings) -> str | None:
+    """Return the schema of the database, None of an empty one; refuse that of a running service."""
+    file = make_url(settings.database_url).database or ""
+    if settings.database_url.startswith("sqlite:") and not Path(file).exists():
+        return None  # to connect would make it
+    database = Database(settings.database_url)
+    try:
+        with database.engine.connect() as connection:
+            revision = schema.revision_of(connection)
+        if revision == schema.newest_revision():
+            _require_no_worker(database)
+    finally:
+        database.close()
+    return revision
+
+
+def _require_room(data: Path, needed: int) -> None:
+    """Refuse a disk on which the files of the backup have no room."""
+    folder = next(folder for folder in (data, *data.parents) if folder.exists())
+    free = shutil.disk_usage(folder).free
+    if free < needed:
+        raise RestoreRefused(
+            f"The backup needs about {needed / 2**20:,.0f} MiB, and {folder} has room for "
+            f"{free / 2**20:,.0f} MiB"
         )
 
 
@@ -202,9 +245,10 @@ def _write(place: Path, content: Content) -> None:
 
 def _settle(settings: Settings, keys: dict[str, str], source: Path) -> None:
     """Write the keys that do not come from the environment and the mark; let services start."""
-    for name, key in keys.items():
-        if (settings.data / name).exists():
-            (settings.data / name).write_text(key, encoding="utf-8")
+    for name, file in KEY_FILES.items():
+        if not _is_given(settings, name):
+            (settings.data / file).unlink(missing_ok=True)
+            kept(settings.data / file, keys[file])
     database = Database(settings.database_url)
     try:
         with database.writing() as session:

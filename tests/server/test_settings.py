@@ -71,6 +71,51 @@ def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
     assert settings.broker_url == "redis://there:6379/1"
 
 
+@pytest.mark.parametrize("content", ["", " \n"])
+@pytest.mark.parametrize("name", ["SECRET_KEY", "SEED_KEY", "STORAGE_SECRET_KEY", "BROKER_URL"])
+def test_an_empty_file_of_a_setting_is_refused_by_its_name_and_nothing_is_drawn(
+    tmp_path: Path, name: str, content: str
+) -> None:
+    file = tmp_path / "given"
+    file.write_text(content)
+
+    with pytest.raises(SettingsInvalid, match=f"SEAMARK_{name}_FILE: {file} is empty"):
+        _load(tmp_path / "data", **{f"SEAMARK_{name}_FILE": str(file)})
+
+    assert not (tmp_path / "data").exists()
+
+
+@pytest.mark.parametrize("name", ["SECRET_KEY", "SEED_KEY", "METRICS_TOKEN", "MAIL_URL"])
+def test_an_empty_variable_of_a_secret_is_refused_by_its_name(tmp_path: Path, name: str) -> None:
+    with pytest.raises(SettingsInvalid, match=f"SEAMARK_{name} is empty"):
+        _load(tmp_path, **{f"SEAMARK_{name}": ""})
+
+
+@pytest.mark.parametrize("name", ["secret", "seed_key"])
+def test_an_empty_key_in_the_data_folder_is_refused_with_what_to_do(
+    tmp_path: Path, name: str
+) -> None:
+    _load(tmp_path)
+    (tmp_path / name).write_text("\n")
+
+    for looking in (False, True):
+        with pytest.raises(SettingsInvalid, match=rf"{name} is empty\. .*[Dd]elete it"):
+            Settings.load({"SEAMARK_DATA": str(tmp_path)}, looking=looking)
+
+    assert (tmp_path / name).read_text() == "\n"
+
+
+def test_who_only_looks_draws_no_keys_and_makes_no_folder(tmp_path: Path) -> None:
+    environ = {"SEAMARK_DATA": str(tmp_path / "new")}
+
+    looking = Settings.load(environ, looking=True)
+    assert (looking.secret_key, looking.seed_key) == ("", "")
+    assert not (tmp_path / "new").exists()
+
+    drawn = Settings.load(environ)
+    assert Settings.load(environ, looking=True) == drawn
+
+
 @pytest.mark.parametrize(
     ("variables", "says"),
     [

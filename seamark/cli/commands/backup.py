@@ -94,10 +94,12 @@ def restore(*, source: Path, check: bool, force: bool, data: Path | None, as_jso
             with Progress("Check", quiet=as_json) as progress:
                 header = restoring.check(source, _shown(progress, size))
             return _say_checked(source, header, as_json=as_json)
-        settings = settings_of(data)
-        with locked(settings.data), Progress("Restore", quiet=as_json) as progress:
+        settings = settings_of(data, looking=True)
+        with Progress("Restore", quiet=as_json) as progress:
             shown = _shown(progress, 2 * size)
-            summary = restoring.restore(settings, source, force=force, on_bytes=shown)
+            summary = restoring.restore(
+                settings, source, force=force, on_bytes=shown, locked=locked
+            )
     except (ArchiveRejected, restoring.RestoreRefused) as error:
         raise UsageRefused(f"{error}.") from None
     except (OSError, SQLAlchemyError) as error:
