@@ -17,6 +17,8 @@ LogFormat = Literal["auto", "json", "text"]
 MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
 SIGNS_NOTHING = "a worker signs nothing"  # its secret key: it never reads that of the service
+# The seed key of a worker on a machine that has none: the rows of its runs have their seeds.
+DERIVES_NOTHING = "a worker derives nothing"
 LOOKING = "looking"  # context of a validation that writes nothing
 REPLACED = {  # setting of an earlier version -> what to write instead
     "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
@@ -307,10 +309,17 @@ class Settings(BaseModel):
         self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
         is_new = not any(self.data.iterdir())
         secret = self.secret_key or kept(self.data / "secret", drawn())
-        if not self.seed_key:
+        if secret == SIGNS_NOTHING:
+            if not (self.seed_key or (self.data / "seed_key").exists()):
+                object.__setattr__(self, "seed_key", DERIVES_NOTHING)
+        elif not self.seed_key:
             # Earlier versions derived the seeds from the secret key: they must stay the same.
-            is_new = is_new or secret == SIGNS_NOTHING
             kept(self.data / "seed_key", drawn() if is_new else secret)
+
+    @property
+    def derives_seeds(self) -> bool:
+        """Whether this process has the key from which the seeds of all ranked runs follow."""
+        return self.seed_key not in {"", DERIVES_NOTHING}
 
     @classmethod
     def load(cls, environ: Mapping[str, str] | None = None, *, looking: bool = False) -> Self:

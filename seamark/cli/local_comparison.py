@@ -22,6 +22,7 @@ class ComparedResult:
     result: Result
     language: str | None = None  # manifests do not name it
     draw: int | None = None  # a local run verifies nothing
+    submission: str | None = None  # nor has it fresh water
 
     @property
     def benchmark(self) -> str:

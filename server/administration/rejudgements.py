@@ -114,7 +114,7 @@ def start(
     whole = select(Run).options(undefer(Run.program_parameters)).order_by(Run.id)
     originals = session.scalars(whole.where(Run.id.in_(chosen.runs))).all()
     owner = rejudged.owner_of(row.id)
-    again = [rejudged.enqueue(session, run, owner) for run in originals]
+    again = [rejudged.enqueue(session, run, owner, settings) for run in originals]
     session.flush()
     session.add_all(RejudgedRun(run_id=run.id, rejudgement_id=row.id) for run in again)
     turns.refresh(session, owner)

@@ -122,6 +122,8 @@ class Run(Base):
     config: Mapped[dict[str, Any]] = mapped_column(_Json)
     seed: Mapped[int | None] = mapped_column(BigInteger)  # NULL: ranked
     submission: Mapped[str | None] = mapped_column(String(64))  # digest, of fresh trials
+    # Of a ranked run that has not ended: its worker needs no key that derives them.
+    trial_seeds: Mapped[list[int] | None] = mapped_column(_Json, deferred=True)
     trials: Mapped[int]
     controller: Mapped[str] = mapped_column(String(80))
     program_sha256: Mapped[str | None] = mapped_column(String(64))

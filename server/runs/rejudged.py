@@ -17,9 +17,10 @@ from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.classes import assignments
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import totals
+from seamark.server.runs import seeds, totals
 from seamark.server.runs.failure_reasons import UNCHARGED
 from seamark.server.runs.states import RunState
+from seamark.server.settings import Settings
 
 METRICS_SHOWN = 20  # paths of metrics that differ; their number is kept as well
 # Columns of a result that one computation decides.
@@ -47,7 +48,9 @@ def owner_of(rejudgement_id: int) -> str:
     return f"{REJUDGEMENTS}{rejudgement_id}"
 
 
-def enqueue(session: Session, original: Run, owner: str, *, draw: int | None = None) -> Run:
+def enqueue(
+    session: Session, original: Run, owner: str, settings: Settings, *, draw: int | None = None
+) -> Run:
     """Return a new queued run that computes another one again; the caller refreshes the turn.
 
     Parameters
@@ -65,6 +68,7 @@ def enqueue(session: Session, original: Run, owner: str, *, draw: int | None = N
         data_bytes=original.data_bytes,
         **{name: getattr(original, name) for name in _SPECIFICATION},
     )
+    run.trial_seeds = seeds.derived(run, settings)
     session.add(run)
     return run
 

@@ -1,4 +1,9 @@
-"""The seed of each trial of a run: for simulating it, and for re-rendering its camera images."""
+"""The seed of each trial of a run: for simulating it, and for re-rendering its camera images.
+
+Whoever inserts a ranked run has the seed key, and writes the seeds into its row; the worker that
+claims the run takes them from there. So a worker needs no key, and one that was taken over cannot
+tell the water of submissions that do not exist yet.
+"""
 
 import hashlib
 import json
@@ -6,13 +11,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from seamark.server.database.tables import Run
+from seamark.server.runs.states import LIVE, RunKind
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.seeds import fresh_seed, hidden_seed
 
+_FILLED = 1000  # rows that one transaction fills
+
+
+class SeedsMissing(Exception):
+    """The row of a claimed run has no seeds, and this process has no key that derives them."""
+
 
 class Seeded(Protocol):
-    """What decides the seeds of a run: a claim and a view have it."""
+    """What decides the seeds of a run: its row and a view have it."""
 
     @property
     def benchmark(self) -> str: ...  # noqa: D102 - the attribute of tables.Run
@@ -26,6 +42,10 @@ class Seeded(Protocol):
     def program_sha256(self) -> str | None: ...  # noqa: D102
     @property
     def seed(self) -> int | None: ...  # noqa: D102
+    @property
+    def trials(self) -> int: ...  # noqa: D102
+    @property
+    def submission(self) -> str | None: ...  # noqa: D102
     @property
     def draw(self) -> int | None: ...  # noqa: D102
 
@@ -60,13 +80,31 @@ class TrialSeeds:
 
 def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
     """Return the seeds of a run's trials."""
+    if run.seed is None and not settings.derives_seeds:
+        raise RuntimeError("this process has no seed key")
     return TrialSeeds(
         benchmark=run.benchmark,
         seed=run.seed,
-        submission=submission_digest(run),
+        submission=run.submission or submission_digest(run),
         draw=run.draw,
         secret=settings.seed_key.encode(),
     )
+
+
+def derived(run: Seeded, settings: Settings) -> list[int] | None:
+    """Return the seeds for the row of a run; None if all of its trials have one of its own."""
+    if run.seed is not None:
+        return None
+    return list(map(trial_seeds(run, settings), range(run.trials)))
+
+
+def fill(session: Session, settings: Settings) -> int:
+    """Give live ranked runs that an earlier version inserted their seeds; return how many."""
+    missing = (Run.kind == RunKind.RANKED, Run.seed.is_(None), Run.trial_seeds.is_(None))
+    runs = session.scalars(select(Run).where(Run.state.in_(LIVE), *missing).limit(_FILLED)).all()
+    for run in runs:
+        run.trial_seeds = derived(run, settings)
+    return len(runs)
 
 
 def seeds_hidden(run: Seeded) -> bool:

@@ -85,7 +85,7 @@ def move(
     if new not in NEXT_STATES.get(old, frozenset()):
         raise IllegalMove(f"run {run_id}: {old} -> {new}")
     if new.final:
-        values |= {"finished_at": time.time(), "lease_until": None}
+        values |= {"finished_at": time.time(), "lease_until": None, "trial_seeds": None}
     session.flush()
     computed = {name: value for name, value in values.items() if isinstance(value, ColumnElement)}
     plain = tuple(sorted(values.keys() - computed.keys()))

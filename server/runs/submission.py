@@ -33,6 +33,7 @@ from seamark.server.runs import (
     quota,
     ranked_scenario,
     run_size,
+    seeds,
     turns,
 )
 from seamark.server.runs.configurations import RunConfiguration
@@ -179,20 +180,21 @@ def submit_all(
         run = _row(each)
         if sweep_id is not None:
             run.sweep_id, run.sweep_cell = sweep_id, cell
-        ids.append(_insert(session, each, run))
+        ids.append(_insert(session, each, run, settings))
         submitted = partial(_log.info, "run_submitted", run=run.id, benchmark=run.benchmark)
         after_commit(session, submitted)
     turns.refresh(session, submission.viewer.owner or "")
     return ids
 
 
-def _insert(session: Session, valid: ValidSubmission, run: Run) -> int:
+def _insert(session: Session, valid: ValidSubmission, run: Run, settings: Settings) -> int:
     """Insert one row and return its id: in the order of the queue."""
     submission = valid.submission
     if not submission.connected:  # whose pace is that of a network
         run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
+    run.trial_seeds = seeds.derived(run, settings)
     session.add(run)
     session.flush()
     if submission.assignment is not None:

@@ -98,7 +98,7 @@ def request(session: Session, run_id: int, settings: Settings, *, repeat: bool =
     if not repeat and broken >= BROKEN_MAX:
         raise VerificationRefused(f"{broken} verifications of this run broke: ask an admin.")
     number = (session.scalar(done) or 0) + 1
-    again = rejudged.enqueue(session, run, VERIFICATIONS, draw=number)
+    again = rejudged.enqueue(session, run, VERIFICATIONS, settings, draw=number)
     session.flush()
     session.add(Verification(again_id=again.id, run_id=run_id, requested_at=time.time()))
     turns.refresh(session, VERIFICATIONS)

@@ -13,6 +13,7 @@ from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.files import StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
+from seamark.server.runs.seeds import SeedsMissing
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.sim.settings.configuration import ConfigurationInvalid
@@ -73,9 +74,9 @@ def _drive(context: RunContext, driver: RunDriver) -> bool:
         else:
             meters.LEASES_LOST.inc()
         return True
-    except ShuttingDown:
+    except (ShuttingDown, SeedsMissing) as stopped:
         driver.release(AttemptEnd.SHUTDOWN)
-        return True
+        return isinstance(stopped, ShuttingDown)
     except (SimulatorBroken, StreamBroken, ProgramGone) as broken:
         _log.error("evaluation_broke", why=str(broken))
         meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))

@@ -22,7 +22,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
-from seamark.server.runs import account_deletion, best_runs, verifications
+from seamark.server.runs import account_deletion, best_runs, seeds, verifications
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.disk_usage import measure_if_old
 from seamark.server.runs.retention import Sweep, trim
@@ -43,6 +43,7 @@ PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
 MEASURE_EVERY_S = 30.0
 # More than the role of a worker may do (seamark.server.database.worker_role).
 NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass", "verify_first")
+NEEDS_SEED_KEY = ("fill_seeds", "verify_first")  # which workers of other machines do without
 _log = structlog.get_logger()
 
 
@@ -151,6 +152,14 @@ def verify_first(app: Celery, database: Database, settings: Settings) -> None:
         broker.send_tickets(app, len(queued))
 
 
+def fill_seeds(database: Database, settings: Settings) -> None:
+    """Give runs their seeds that an earlier version has inserted without them."""
+    with database.writing() as session:
+        count = seeds.fill(session, settings)
+    if count:
+        _log.info("seeds_filled", runs=count)
+
+
 def forget_audit(database: Database, settings: Settings) -> None:
     """Delete a batch of old entries of the audit log."""
     with database.writing() as session:
@@ -161,6 +170,24 @@ def delete_accounts(database: Database, settings: Settings) -> None:
     """Delete a batch of the runs of closed accounts."""
     if not storage.is_away(settings) and account_deletion.step(database, settings):
         _log.info("account_deletion_step")
+
+
+def by_rights(
+    tasks: Sequence[PeriodicTask], *, all_rights: bool, key: bool
+) -> dict[str, list[PeriodicTask]]:
+    """Return what a process can do, by what it needs for it: rights, the seed key, or neither.
+
+    Parameters
+    ----------
+    all_rights, key
+        Whether this process has them.
+    """
+    found: dict[str, list[PeriodicTask]] = {"": [], "all": [], "seeds": []}
+    for task in tasks:
+        needs_rights, needs_key = task.name in NEEDS_ALL_RIGHTS, task.name in NEEDS_SEED_KEY
+        if (all_rights or not needs_rights) and (key or not needs_key):
+            found["seeds" if needs_key else "all" if needs_rights else ""].append(task)
+    return found
 
 
 def main(parent: str) -> None:
@@ -182,6 +209,7 @@ def main(parent: str) -> None:
         PeriodicTask(
             "complete_leaderboards", COMPLETE_EVERY_S, lambda: complete_leaderboards(database)
         ),
+        PeriodicTask("fill_seeds", recovery_s, lambda: fill_seeds(database, settings)),
         PeriodicTask("verify_first", VERIFY_EVERY_S, lambda: verify_first(app, database, settings)),
         PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
@@ -191,11 +219,14 @@ def main(parent: str) -> None:
     ]
     with database.engine.connect() as connection:
         restricted = worker_role.is_restricted(connection)
-    common = [task for task in tasks if task.name not in NEEDS_ALL_RIGHTS]
-    rest = [] if restricted else [task for task in tasks if task.name in NEEDS_ALL_RIGHTS]
     kept_s = 3 * recovery_s
-    # The rest has holders of its own: those of the common tasks may all be restricted.
-    duties = (Duty(redis, kept_s=kept_s), common), (Duty(redis, "all", kept_s=kept_s), rest)
+    # Each kind has holders of its own: those of the common tasks may all be restricted.
+    duties = [
+        (Duty(redis, rights, kept_s=kept_s), those)
+        for rights, those in by_rights(
+            tasks, all_rights=not restricted, key=settings.derives_seeds
+        ).items()
+    ]
     while not stopping.wait(POLL_S):
         if any([run_due(its, on_duty=duty.is_mine) for duty, its in duties]):
             shared.add()

@@ -23,7 +23,7 @@ from seamark.server.runs import queue as run_queue
 from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
-from seamark.server.runs.seeds import trial_seeds
+from seamark.server.runs.seeds import SeedsMissing
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -272,7 +272,7 @@ class RunDriver:
         return Job(
             benchmark=claim.benchmark,
             config=claim.config,
-            seeds=tuple(map(trial_seeds(claim, settings), range(claim.trials))),
+            seeds=_seeds(claim),
             ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
             program=self._program,
@@ -351,3 +351,20 @@ class RunDriver:
 
     def _isolation(self) -> str | None:
         return self._context.isolation.name.lower() if self._claim.program_sha256 else None
+
+
+def _seeds(claim: Claim) -> tuple[int, ...]:
+    """Return the seed of each trial.
+
+    Raises
+    ------
+    SeedsMissing
+        An earlier version has inserted the run. Maintenance of a process with the key fills them
+        in (`seeds.fill`).
+    """
+    if claim.seed is not None:
+        return (claim.seed,) * claim.trials
+    if claim.trial_seeds is None:
+        _log.warning("seeds_missing", run=claim.run_id)
+        raise SeedsMissing
+    return claim.trial_seeds

@@ -76,4 +76,19 @@ def test_a_worker_reads_no_session_secret(tmp_path: Path) -> None:
 
     assert settings.environment()["SEAMARK_SECRET_KEY"] == SIGNS_NOTHING
     assert not (tmp_path / "data" / "secret").exists()
-    assert settings.seed_key != SIGNS_NOTHING
+
+
+def test_a_worker_draws_no_seed_key_and_starts_without_one(both: Backend, tmp_path: Path) -> None:
+    worker = {"data": tmp_path / "worker", "secret_key": SIGNS_NOTHING}
+    settings = Settings.model_validate(worker)
+
+    assert not settings.derives_seeds
+    assert list((tmp_path / "worker").iterdir()) == []
+    check_all(both.settings.model_copy(update={"seed_key": settings.seed_key}), computes=True)
+
+
+def test_a_worker_beside_the_data_folder_has_the_seed_key_of_it(both: Backend) -> None:
+    (both.settings.data / "seed_key").write_text("the key")
+    worker = {"data": both.settings.data, "secret_key": SIGNS_NOTHING}
+
+    assert Settings.model_validate(worker).seed_key == "the key"

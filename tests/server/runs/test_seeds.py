@@ -1,9 +1,12 @@
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from seamark.server.runs.seeds import submission_digest, trial_seeds
-from seamark.server.settings import Settings
+from seamark.server.database.tables import Run
+from seamark.server.runs.queue import Claim
+from seamark.server.runs.seeds import fill, submission_digest, trial_seeds
+from seamark.server.settings import DERIVES_NOTHING, Settings
 from seamark.sim import registry
 from seamark.sim.engine.seeds import hidden_seed
 from tests.cast import Backend
@@ -21,6 +24,8 @@ def _run(**changes: object) -> SimpleNamespace:
         "language": "python",
         "program_sha256": "ab" * 32,
         "seed": None,
+        "trials": PROTOCOL.trials,
+        "submission": None,
         "draw": None,
     }
     return SimpleNamespace(**(values | changes))
@@ -115,11 +120,48 @@ def test_the_images_of_a_ranked_run_have_the_seeds_of_its_simulation(
         "ann", benchmark=benchmark, kind="ranked", controller="upload", program=program
     )
 
-    simulated = trial_seeds(claim, both.settings)
     both.finish(claim)
 
     shown = trial_seeds(both.show(claim.run_id), both.settings)
-    assert [shown(trial) for trial in range(12)] == [simulated(trial) for trial in range(12)]
+    assert tuple(map(shown, range(claim.trials))) == claim.trial_seeds
+
+
+def test_the_seeds_of_a_run_are_in_its_row_until_it_has_ended(both: Backend) -> None:
+    wanted: dict[str, Any] = {"benchmark": "currents-v2", "kind": "ranked"}
+    ended, cancelled = (both.running(who, **wanted) for who in ("ann", "ben"))
+    practice = both.running("eva", benchmark="currents-v2")
+    before = [_stored(both, claim) for claim in (ended, cancelled, practice)]
+    both.finish(ended)
+    both.cancel(cancelled.run_id)
+
+    assert [len(each or ()) for each in before] == [PROTOCOL.trials, PROTOCOL.trials, 0]
+    assert [_stored(both, claim) for claim in (ended, cancelled)] == [None, None]
+
+
+def test_a_run_of_an_earlier_version_gets_its_seeds_from_who_has_the_key(both: Backend) -> None:
+    claim = both.running("ann", benchmark="currents-v2", kind="ranked")
+    with both.database.writing() as session:
+        session.get_one(Run, claim.run_id).trial_seeds = None
+
+    with both.database.writing() as session:
+        counts = [fill(session, both.settings) for _ in range(2)]
+
+    assert counts == [1, 0]
+    assert _stored(both, claim) == list(claim.trial_seeds or ())
+
+
+def test_without_the_key_no_seed_of_a_ranked_run_is_derived(both: Backend) -> None:
+    keyless = both.settings.model_copy(update={"seed_key": DERIVES_NOTHING})
+
+    with pytest.raises(RuntimeError, match="no seed key"):
+        trial_seeds(_run(), keyless)
+
+    assert trial_seeds(_run(seed=7), keyless)(3) == 7
+
+
+def _stored(both: Backend, claim: Claim) -> list[int] | None:
+    with both.database.reading() as session:
+        return session.get_one(Run, claim.run_id).trial_seeds
 
 
 @pytest.mark.parametrize("seed", [None, 7])

@@ -127,12 +127,13 @@ def test_the_water_of_a_verification_is_new_but_for_the_reference_trials(both: B
     request(both, run_id, repeat=True)
 
     assert PROTOCOL is not None
-    drawn = [seeds.trial_seeds(run, both.settings) for run in (both.show(run_id), first)]
-    drawn.append(seeds.trial_seeds(both.claim_next(), both.settings))
+    published_seeds = seeds.derived(both.show(run_id), both.settings)
+    drawn = [list(each or ()) for each in (published_seeds, first.trial_seeds)]
+    drawn.append(list(both.claim_next().trial_seeds or ()))
 
-    fresh = [{seed(trial) for trial in range(REFERENCE, PROTOCOL.trials)} for seed in drawn]
+    fresh = [set(each[REFERENCE : PROTOCOL.trials]) for each in drawn]
     assert not fresh[0] & fresh[1] | fresh[1] & fresh[2] | fresh[0] & fresh[2]
-    assert len({seed(0) for seed in drawn}) == 1
+    assert len({each[0] for each in drawn}) == 1
 
 
 def test_a_first_version_is_verified_in_other_water_than_that_which_all_runs_share(
@@ -144,8 +145,9 @@ def test_a_first_version_is_verified_in_other_water_than_that_which_all_runs_sha
 
     published, again = claim, both.claim_next()
 
-    shared, drawn = (seeds.trial_seeds(run, both.settings) for run in (published, again))
-    assert not {shared(trial) for trial in range(10)} & {drawn(trial) for trial in range(10)}
+    shared, drawn = (set(run.trial_seeds or ()) for run in (published, again))
+    assert len(shared) == len(drawn) == 10
+    assert not shared & drawn
 
 
 def test_verifications_wait_for_all_runs_of_users_and_count_for_no_quota(both: Backend) -> None:
@@ -329,9 +331,9 @@ def test_the_same_submission_has_the_same_fresh_water_and_so_no_second_chance(
     for who in ("ann", "ben"):
         request(both, published(both, who=who))
         claim = both.claim_next()
-        waters.append(seeds.trial_seeds(claim, both.settings))
+        waters.append(claim.trial_seeds or ())
         finish(both, claim, HONEST)
 
     assert PROTOCOL is not None
-    first, second = ([seed(at) for at in range(PROTOCOL.trials)] for seed in waters)
+    first, second = waters
     assert first == second

@@ -2,7 +2,7 @@
 
 import pytest
 
-from seamark.worker.service.maintenance import PeriodicTask, run_due
+from seamark.worker.service.maintenance import PeriodicTask, by_rights, run_due
 
 
 def test_a_periodic_task_that_fails_stops_neither_the_others_nor_its_next_time() -> None:
@@ -48,3 +48,27 @@ def test_who_is_not_on_duty_leaves_what_is_due_to_others_and_asks_once_per_perio
 
     assert done == []
     assert asked == ["asked"]
+
+
+@pytest.mark.parametrize(
+    ("all_rights", "key", "expected"),
+    [
+        (
+            True,
+            True,
+            {"": ["plain"], "all": ["delete_accounts"], "seeds": ["fill_seeds", "verify_first"]},
+        ),
+        (False, False, {"": ["plain"], "all": [], "seeds": []}),
+        (False, True, {"": ["plain"], "all": [], "seeds": ["fill_seeds"]}),
+        (True, False, {"": ["plain"], "all": ["delete_accounts"], "seeds": []}),
+    ],
+)
+def test_a_task_is_left_to_processes_that_have_what_it_needs(
+    all_rights: bool, key: bool, expected: dict[str, list[str]]
+) -> None:
+    names = ("plain", "delete_accounts", "fill_seeds", "verify_first")
+    tasks = [PeriodicTask(name, 1.0, lambda: None) for name in names]
+
+    found = by_rights(tasks, all_rights=all_rights, key=key)
+
+    assert {rights: [task.name for task in those] for rights, those in found.items()} == expected
