@@ -13,7 +13,8 @@ from tests.cast import Backend
 
 PROTOCOL = registry.benchmark("currents-v2").protocol
 assert PROTOCOL is not None
-FRESH = range(PROTOCOL.reference_trials, PROTOCOL.trials)
+TRIALS = PROTOCOL.trials
+FRESH = range(PROTOCOL.reference_trials, TRIALS)
 
 
 def _run(**changes: object) -> SimpleNamespace:
@@ -24,7 +25,7 @@ def _run(**changes: object) -> SimpleNamespace:
         "language": "python",
         "program_sha256": "ab" * 32,
         "seed": None,
-        "trials": PROTOCOL.trials,
+        "trials": TRIALS,
         "submission": None,
         "draw": None,
     }
@@ -134,7 +135,7 @@ def test_the_seeds_of_a_run_are_in_its_row_until_it_has_ended(both: Backend) -> 
     both.finish(ended)
     both.cancel(cancelled.run_id)
 
-    assert [len(each or ()) for each in before] == [PROTOCOL.trials, PROTOCOL.trials, 0]
+    assert [len(each or ()) for each in before] == [TRIALS, TRIALS, 0]
     assert [_stored(both, claim) for claim in (ended, cancelled)] == [None, None]
 
 
