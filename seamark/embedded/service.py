@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from seamark.embedded import broker
 from seamark.embedded.installed_tools import InstalledTools
 from seamark.embedded.supervisor import Child, Supervisor
-from seamark.embedded.worker_renewal import WorkerRenewal
+from seamark.embedded.worker_renewal import STEP_EVERY_S, WorkerRenewal
 from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 PATIENCE_S = 60.0  # [s] after which a start that takes long is said to go on
 BROKER_S = 10.0
-POLL_S = 0.2
+POLL_S = 0.2  # between two looks at whether the service answers
 WORKER_GRACE_S = 20.0  # in which a run that is under way returns to the queue
 WEB_GRACE_S = 12.0  # more than the web server gives its requests
 _PARTS = {"web": "the web server", "worker": "the worker"}
@@ -185,7 +185,7 @@ class Embedded:
 def _keep(children: Supervisor, renewal: WorkerRenewal) -> signal.Signals:
     """Keep all alive; return the signal that ended it."""
     while True:
-        stopped = children.wait(POLL_S)
+        stopped = children.wait(STEP_EVERY_S)
         if stopped is not None:
             return stopped
         renewal.step()

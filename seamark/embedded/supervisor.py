@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import math
 import os
 import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -134,8 +135,8 @@ class Supervisor:
         """Wait for at most `timeout_s`; return the stop signal if one came."""
         deadline = time.monotonic() + timeout_s
         while True:
-            left = deadline - time.monotonic()
-            seen = signal.sigtimedwait(WATCHED, max(left, 0.0))
+            wait_s = min([deadline, *self._due_at()]) - time.monotonic()
+            seen = signal.sigtimedwait(WATCHED, max(wait_s, 0.0))
             if seen is not None and signal.Signals(seen.si_signo) in STOP_SIGNALS:
                 return signal.Signals(seen.si_signo)
             self._kill_overdue()
@@ -143,18 +144,28 @@ class Supervisor:
             self._restart_due()
             for child in self.children:
                 _rotate(child.log)
-            if seen is None:
+            if seen is None and time.monotonic() >= deadline:
                 return None
 
+    def _due_at(self) -> Iterator[float]:
+        """Yield when children are to be started or killed (monotonic)."""
+        for child in self.children:
+            for at in (child.due_at, child.kill_at):
+                if at is not None:
+                    yield at
+
     def _reap(self) -> None:
-        for child in [*self.children]:
-            if child.process is not None and child.process.poll() is not None:
-                self._note_death(child)
-        self._reap_orphans()
+        """Note which children are dead, and reap the dead orphans that became ours."""
+        running = {child.process.pid: child for child in self.children if child.process is not None}
+        while (pid := _dead_child()) is not None:
+            if pid in running:
+                self._note_death(running.pop(pid))
+            else:
+                os.waitpid(pid, 0)
 
     def _note_death(self, child: Child) -> None:
         process = child.process
-        if process is None or process.returncode is None:
+        if process is None or process.poll() is None:
             return
         now = time.monotonic()
         if child.kill_at is not None:
@@ -178,20 +189,13 @@ class Supervisor:
         for child in self.children:
             if child.kill_at is not None and child.kill_at <= now and child.process is not None:
                 child.process.kill()
+                child.kill_at = math.inf  # once: its end is told by the kernel
 
     def _restart_due(self) -> None:
         now = time.monotonic()
         for child in self.children:
             if child.due_at is not None and child.due_at <= now:
                 self._start(child)
-
-    def _reap_orphans(self) -> None:
-        """Reap dead orphans that became ours, but none of our own children."""
-        ours = {child.process.pid for child in self.children if child.process is not None}
-        for pid in _child_pids():
-            if pid not in ours:
-                with contextlib.suppress(ChildProcessError):
-                    os.waitpid(pid, os.WNOHANG)
 
     def stop(self) -> None:
         """Stop all children in order, then kill what they left behind."""
@@ -237,6 +241,16 @@ class Supervisor:
                     os.kill(pid, signal.SIGKILL)
                 with contextlib.suppress(ChildProcessError):
                     os.waitpid(pid, 0)
+
+
+def _dead_child() -> int | None:
+    """Return a child that is dead and not reaped yet; None if all live, or there is none."""
+    try:
+        # The kernel has a list of them, where a look at all processes of the machine takes long.
+        dead = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return None
+    return None if dead is None else dead.si_pid
 
 
 def _child_pids() -> list[int]:

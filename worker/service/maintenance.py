@@ -33,7 +33,6 @@ from seamark.worker.service.lease_watch import LeaseWatch
 from seamark.worker.service.recovery import announce
 from seamark.worker.service.shutdown import follow_worker
 
-POLL_S = 0.2  # [s] between two checks of what is due
 FORGET_EVERY_S = 3600.0
 SWEEP_EVERY_S = 30.0
 TRIM_EVERY_S = 60.0
@@ -69,6 +68,11 @@ class PeriodicTask:
     def postpone(self) -> None:
         """Let it be due one period from now."""
         self.due_at = time.monotonic() + self.period_s
+
+
+def next_due_in_s(tasks: Sequence[PeriodicTask]) -> float:
+    """Return how long nothing is due [s]."""
+    return max(min(task.due_at for task in tasks) - time.monotonic(), 0.0)
 
 
 def run_due(tasks: Sequence[PeriodicTask], *, on_duty: Callable[[], bool]) -> bool:
@@ -227,7 +231,8 @@ def main(parent: str) -> None:
             tasks, all_rights=not restricted, key=settings.derives_seeds
         ).items()
     ]
-    while not stopping.wait(POLL_S):
+    ours = [task for _, those in duties for task in those]
+    while not stopping.wait(next_due_in_s(ours)):
         if any([run_due(its, on_duty=duty.is_mine) for duty, its in duties]):
             shared.add()
     for duty, _ in duties:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from seamark.worker.service.maintenance import PeriodicTask, by_rights, run_due
+from seamark.worker.service.maintenance import PeriodicTask, by_rights, next_due_in_s, run_due
 
 
 def test_a_periodic_task_that_fails_stops_neither_the_others_nor_its_next_time() -> None:
@@ -72,3 +72,16 @@ def test_a_task_is_left_to_processes_that_have_what_it_needs(
     found = by_rights(tasks, all_rights=all_rights, key=key)
 
     assert {rights: [task.name for task in those] for rights, those in found.items()} == expected
+
+
+@pytest.mark.parametrize("on_duty", [True, False])
+def test_nothing_is_looked_at_before_the_next_task_is_due(on_duty: bool) -> None:
+    tasks = [
+        PeriodicTask(name, period_s, lambda: None) for name, period_s in (("a", 50), ("b", 70))
+    ]
+
+    assert 40.0 < next_due_in_s(tasks) <= 50.0
+    tasks[0].due_at = 0.0
+    assert next_due_in_s(tasks) == 0.0
+    run_due(tasks, on_duty=lambda: on_duty)
+    assert 40.0 < next_due_in_s(tasks) <= 50.0
