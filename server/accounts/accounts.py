@@ -6,7 +6,7 @@ import math
 import re
 import secrets
 import time
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
@@ -20,7 +20,6 @@ from seamark.server.accounts.permissions import (
     Viewer,
     grantable,
 )
-from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.tables import BrowserSession, Token, User
 from seamark.server.settings import Settings
 
@@ -205,13 +204,6 @@ def record_use(session: Session, text: str) -> None:
     session.execute(
         update(Token).where(Token.hash == secret_hash(text), stale).values(last_used_at=now)
     )
-
-
-def refused(session: Session, user_ids: Collection[int]) -> set[int]:
-    """Return which of these accounts are refused by now: disabled, or closed."""
-    closed = User.id.in_(select(AccountDeletion.user_id))
-    query = select(User.id).where(User.id.in_(user_ids), User.disabled_at.is_(None), ~closed)
-    return set(user_ids) - set(session.scalars(query))
 
 
 def viewer_of_user(

@@ -20,7 +20,7 @@ from seamark.server.streams import events
 from seamark.server.streams.events import LOG, Position
 from seamark.server.streams.excerpts import START, Excerpt, excerpt, position_now
 from seamark.server.streams.feed import state_values
-from seamark.server.web import access
+from seamark.server.web import access, authentication
 from seamark.server.web.asgi import CONTINUATION, Connection
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -61,7 +61,8 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
 
     Starts with the newest trial; one that has ended is replayed as a whole. The id of an event is
     `attempt-row-byte`: after the header Last-Event-ID, or without it after the parameter `after`,
-    follows what came since.
+    follows what came since. The stream of a token or browser that is refused by now ends within
+    seconds.
     """
     run = access.run_for(path.run_id)
     after = Position.parse(request.headers.get("Last-Event-ID") or query.after)
@@ -90,14 +91,14 @@ def _response(data: Iterable[bytes]) -> Response:
 
 def _follower(run_id: int, after: Position | None, *, shows_log: bool) -> Any:
     """Return what continues the response on the event loop."""
-    hub, user_id = services().streams, access.viewer().user_id
+    hub, credential = services().streams, authentication.credential()
 
     def follow(connection: Connection) -> AsyncGenerator[bytes, None]:
         return hub.follow(
             run_id,
             after,
             shows_log=shows_log,
-            user_id=user_id,
+            credential=credential,
             gone=connection.gone,
             abort=connection.abort,
         )

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import Annotated, Any
 
+import structlog
 from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
@@ -17,7 +18,7 @@ from seamark.bridge.rosbridge.protocol import SetAxes
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
-from seamark.server.runs import queue, submission
+from seamark.server.runs import cancellation, queue, submission
 from seamark.server.runs.connected import ROSBRIDGE
 from seamark.server.runs.submission import Submission, ValidSubmission
 from seamark.server.storage import StorageUnavailable
@@ -25,7 +26,7 @@ from seamark.server.streams.bridge_session import BUSY_RETRY_S, BridgeSession, S
 from seamark.server.web import access, authentication, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import Services, services
-from seamark.server.web.websockets import CONVERSATION, UPGRADE, WebSocket
+from seamark.server.web.websockets import CONVERSATION, UPGRADE, NotAllowed, WebSocket
 
 api = APIBlueprint(
     "api_rosbridge",
@@ -34,6 +35,7 @@ api = APIBlueprint(
     operation_id_callback=operation_id,
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
+_log = structlog.get_logger()
 _UPGRADED: Any = {
     101: {
         "description": "The WebSocket is open, and the run has started: Location is its address",
@@ -69,7 +71,8 @@ def connect(query: BridgeQuery) -> Response:
 
     Needs a token, in the header Authorization. One session per account; it ends after 15 minutes,
     60 s without a first answer or 10 s without a later one. `seamark bridge rosbridge --server`
-    does this for programs that know no tokens.
+    does this for programs that know no tokens. If the token is revoked or expires, or the account
+    is disabled, the connection is closed with 1008 within seconds and the run is cancelled.
     """
     if not authentication.by_token():  # no page of another site may use somebody's cookie
         raise Problem("unauthenticated", "Send a token: cookies are not accepted here.")
@@ -91,17 +94,18 @@ class _Conversation:
 
     def __init__(self, current: Services, valid: ValidSubmission, axes: Axes) -> None:
         self._services, self._valid, self._axes = current, valid, axes
+        self._credential, self._run_id = authentication.credential(), 0
         self._session = BridgeSession(current.settings, valid.submission.viewer.user_id or 0)
 
     async def begin(self) -> Mapping[str, str]:
         """Have a place for the program, then insert its run there; raises Problem."""
         try:
             place = await self._session.offer()
-            run_id = await asyncio.to_thread(self._started, place)
-            await self._session.start(run_id, SetAxes(axes=self._axes).model_dump_json())
+            self._run_id = await asyncio.to_thread(self._started, place)
+            await self._session.start(self._run_id, SetAxes(axes=self._axes).model_dump_json())
         except SessionRefused as refused:
             raise _later(refused.slug, str(refused)) from None
-        return {"Location": f"/api/v1/runs/{run_id}"}
+        return {"Location": f"/api/v1/runs/{self._run_id}"}
 
     def _started(self, place: str) -> int:
         """Return the run, which nobody has seen in the queue."""
@@ -117,7 +121,19 @@ class _Conversation:
         return run_id
 
     async def run(self, socket: WebSocket) -> str:
-        return await self._session.run(socket)
+        with self._services.streams.access.watching(self._credential, self._session.refuse):
+            wrong = await self._session.run(socket)
+        if self._session.refused:
+            await asyncio.to_thread(self._cancel)
+            raise NotAllowed(wrong)
+        return wrong
+
+    def _cancel(self) -> None:
+        """Cancel the run: its program has not failed, and has not disconnected either."""
+        try:
+            cancellation.cancel(self._services.database, self._services.redis, self._run_id)
+        except (OperationalError, InterfaceError) as error:  # it fails as that of a lost program
+            _log.warning("run_not_cancelled", run=self._run_id, error=str(error))
 
     async def end(self) -> None:
         await self._session.end()

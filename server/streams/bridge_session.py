@@ -26,6 +26,7 @@ FULL_S = 0.02  # between two looks at a list that is full
 UP_BYTES_S, DOWN_BYTES_S = 2**20, 2**23
 MESSAGE_COST = 512  # [byte] that a message counts at least
 SECOND = "You have a session already; only one at a time."
+REFUSED = "Your token is no longer accepted."
 LOST = "The service lost the connection to the run."
 BUSY = "All places for connected programs are taken, or no worker has any. Try again soon."
 _log = structlog.get_logger()
@@ -75,6 +76,7 @@ class BridgeSession:
     """The session of an account, from its offer to its end."""
 
     def __init__(self, settings: Settings, user_id: int) -> None:
+        self.refused = False  # whoever has connected the program may do so no longer
         self._user_id, self._session = user_id, secrets.token_hex(16)
         self._redis = broker.connect_async(settings)
         self._offered = False
@@ -123,6 +125,11 @@ class BridgeSession:
         except RedisError as error:
             _log.warning("session_not_started", run=run_id, error=str(error))
             raise SessionRefused("unavailable", BUSY) from None
+
+    def refuse(self) -> None:
+        """End the session: what its program sends from now on is not passed on."""
+        self.refused, self._wrong = True, REFUSED
+        self._ended.set()
 
     async def run(self, socket: Socket) -> str:
         """Pass messages on in both directions until one side ends; return what went wrong."""

@@ -9,18 +9,17 @@ from functools import partial
 from typing import Any
 
 import structlog
-from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server.accounts import accounts
+from seamark.server.accounts.credentials import Credential
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
+from seamark.server.streams.access_watch import AccessWatch
 from seamark.server.streams.events import LOG, Position
 from seamark.server.streams.feed import Feed
 from seamark.server.streams.inbox import WAITING_MAX, Inbox
 from seamark.server.streams.listener import Listener
 
 THREADS = 4  # that read files and the database for streams; pages have others
-ACCOUNTS_S = 2.0  # between two looks at whether the viewers' accounts are still accepted
 _log = structlog.get_logger()
 
 
@@ -44,8 +43,7 @@ class Hub:
         self._feeds: dict[int, Feed] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._listener: asyncio.Task[None] | None = None
-        self._accounts: dict[Inbox, int] = {}  # of the viewers who have one
-        self._account_watch: asyncio.Task[None] | None = None
+        self.access = AccessWatch(database)  # of the sessions of programs, too
         self.open_streams = 0
         self._ending = False
 
@@ -65,7 +63,7 @@ class Hub:
         after: Position | None,
         *,
         shows_log: bool,
-        user_id: int | None = None,
+        credential: Credential | None = None,
         gone: asyncio.Future[Any],
         abort: Callable[[], None],
     ) -> AsyncGenerator[bytes, None]:
@@ -75,8 +73,8 @@ class Hub:
         ----------
         after
             Where the viewer resumes; the start of the newest trial if None.
-        user_id
-            Account of the viewer: when it is disabled or closed, the stream ends.
+        credential
+            Of the viewer: when it is refused, the stream ends.
         abort
             Closes the connection of a viewer that is too slow.
         """
@@ -87,18 +85,16 @@ class Hub:
         feed = self._feed(run_id)
         feed.viewers += 1
         self.open_streams += 1
-        if user_id is not None:
-            self._accounts[inbox] = user_id
         try:
-            start = await feed.join(inbox, abort, after)
-            for frame in start.frames:
-                if shows_log or frame.type != LOG:
-                    yield frame.data
-            while (waiting := await inbox.take()) is not None:
-                yield waiting.data
+            with self.access.watching(credential, inbox.close):
+                start = await feed.join(inbox, abort, after)
+                for frame in start.frames:
+                    if shows_log or frame.type != LOG:
+                        yield frame.data
+                while (waiting := await inbox.take()) is not None:
+                    yield waiting.data
         finally:
             feed.leave(inbox)
-            self._accounts.pop(inbox, None)
             self.open_streams -= 1
             feed.viewers -= 1
             if not feed.viewers:
@@ -109,9 +105,8 @@ class Hub:
         self._ending = True
         for feed in self._feeds.values():
             feed.close()
-        for task in (self._listener, self._account_watch):
-            if task is not None:
-                task.cancel()
+        if self._listener is not None:
+            self._listener.cancel()
 
     def close(self) -> None:
         """Stop the threads."""
@@ -128,7 +123,6 @@ class Hub:
         if self._listener is None:
             listener = Listener(self._settings, self._feeds)
             self._listener = asyncio.create_task(listener.listen())
-            self._account_watch = asyncio.create_task(self._watch_accounts())
         return self._feeds[run_id]
 
     def _ended(self, run_id: int, feed: Feed, task: asyncio.Task[None]) -> None:
@@ -142,25 +136,3 @@ class Hub:
         if self._feeds.get(run_id) is feed:
             del self._feeds[run_id]
             self._tasks.pop(run_id).cancel()
-
-    async def _watch_accounts(self) -> None:
-        """End the streams of accounts that are refused by now: one query for all of them."""
-        loop = asyncio.get_running_loop()
-        while True:
-            await asyncio.sleep(ACCOUNTS_S)
-            try:
-                refused = await loop.run_in_executor(
-                    self._threads, self._refused, set(self._accounts.values())
-                )
-            except SQLAlchemyError as error:
-                _log.warning("accounts_not_read", error=str(error))
-                continue
-            for inbox, user_id in self._accounts.items():
-                if user_id in refused:
-                    inbox.close()
-
-    def _refused(self, user_ids: set[int]) -> set[int]:
-        if not user_ids:
-            return set()
-        with self._database.reading() as session:
-            return accounts.refused(session, user_ids)

@@ -7,7 +7,9 @@ from flask import Flask, g, request, session
 from werkzeug.exceptions import Unauthorized
 
 from seamark.server.accounts import accounts, browser_sessions
+from seamark.server.accounts.credentials import Credential
 from seamark.server.accounts.permissions import Viewer
+from seamark.server.database.tables import BrowserSession, Token
 from seamark.server.runs import adoption
 from seamark.server.web import client_network
 from seamark.server.web.services import services
@@ -30,6 +32,16 @@ def register(app: Flask) -> None:
 def by_token() -> bool:
     """Return whether the request has a bearer token; then it needs no CSRF token."""
     return _scheme() == BEARER
+
+
+def credential() -> Credential | None:
+    """Return by what the sender of the request is known; None for a guest or nobody."""
+    viewer: Viewer = g.viewer
+    if viewer.user_id is None:
+        return None
+    if by_token():
+        return Credential(Token, accounts.secret_hash(_token()))
+    return Credential(BrowserSession, accounts.secret_hash(session_text()))
 
 
 def sign_in(user_id: int) -> int:
@@ -79,6 +91,10 @@ def _scheme() -> str:
     return request.headers.get("Authorization", "").strip().partition(" ")[0].lower()
 
 
+def _token() -> str:
+    return request.headers["Authorization"].strip()[len(BEARER) :].strip()
+
+
 def _has_other_token() -> bool:
     """Return whether the token of the request is none of an account: that of `/metrics`."""
     return request.endpoint == "metrics.metrics" and services().settings.metrics == "token"
@@ -87,9 +103,8 @@ def _has_other_token() -> bool:
 def _viewer() -> Viewer:
     """Return who sent the request; an invalid token is refused, not treated as anonymous."""
     if by_token():
-        text = request.headers["Authorization"][len(BEARER) :].strip()
         with services().database.reading() as database:
-            viewer = accounts.viewer_of_token(database, text)
+            viewer = accounts.viewer_of_token(database, _token())
         if viewer is None:
             raise Unauthorized("The token is unknown, revoked or expired.")
         return viewer

@@ -17,10 +17,14 @@ from seamark.server.web.problems import MEDIA_TYPE, Problem
 UPGRADE = "seamark.upgrade"  # key of the WSGI environment: the client asks for a WebSocket
 CONVERSATION = "seamark.conversation"  # key of the WSGI environment
 SEND_S = 20.0  # that a client may take for a message
-NORMAL, INTERNAL_ERROR = 1000, 1011  # close codes of RFC 6455, 7.4.1
+NORMAL, POLICY_VIOLATION, INTERNAL_ERROR = 1000, 1008, 1011  # close codes of RFC 6455, 7.4.1
 
 Receive = Callable[[], Awaitable[dict[str, Any]]]
 Send = Callable[[dict[str, Any]], Awaitable[None]]
+
+
+class NotAllowed(Exception):
+    """Whoever converses may do so no longer. The text is for them."""
 
 
 class WebSocket:
@@ -61,7 +65,12 @@ class Conversation(Protocol):
         """Prepare, and return headers of the answer; raises Problem to refuse the handshake."""
 
     async def run(self, socket: WebSocket) -> str:
-        """Converse until the end; return what went wrong, empty if nothing did."""
+        """Converse until the end; return what went wrong, empty if nothing did.
+
+        Raises
+        ------
+        NotAllowed
+        """
 
     async def end(self) -> None:
         """Release what `begin` has prepared; called whatever happened."""
@@ -75,6 +84,8 @@ async def converse(conversation: Conversation, socket: WebSocket, send: Send) ->
         wrong = await conversation.run(socket)
         code = INTERNAL_ERROR if wrong else NORMAL
         await send({"type": "websocket.close", "code": code, "reason": wrong})
+    except NotAllowed as reason:
+        await send({"type": "websocket.close", "code": POLICY_VIOLATION, "reason": str(reason)})
     except Problem as problem:
         await _refuse_with(problem, send)
     except OSError:

@@ -5,6 +5,7 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
+from seamark.server.accounts.credentials import Credential
 from seamark.server.streams.events import Position
 from seamark.server.streams.hub import Hub
 
@@ -19,7 +20,7 @@ class Viewer:
     run_id: int
     after: str = ""
     shows_log: bool = True
-    user_id: int | None = None
+    credential: Credential | None = None
     pieces: list[bytes] = field(default_factory=list)
     aborted: bool = False
 
@@ -30,7 +31,7 @@ class Viewer:
             self.run_id,
             Position.parse(self.after),
             shows_log=self.shows_log,
-            user_id=self.user_id,
+            credential=self.credential,
             gone=self.gone,
             abort=self.abort,
         ):

@@ -6,15 +6,13 @@ from typing import Any
 import pytest
 from redis import Redis
 
-from seamark.server.administration import people
-from seamark.server.audit import Actor
-from seamark.server.database.tables import User
 from seamark.server.messaging import live_events
 from seamark.server.runs import cancellation
 from seamark.server.runs.states import RunState
 from seamark.server.streams.feed import TICK_S
 from seamark.server.streams.hub import Hub
 from tests.server.streams.conftest import Recording
+from tests.server.streams.test_access_watch import revoke, token
 from tests.services.viewer import DEADLINE_S, Viewer
 
 
@@ -307,10 +305,12 @@ def test_a_stream_beyond_the_limit_ends_at_once(recording: Recording) -> None:
     assert hub.open_streams == 0
 
 
-def test_the_streams_of_an_account_end_when_it_is_disabled_and_no_others(
+def test_the_streams_of_a_token_end_when_it_is_revoked_and_no_others(
     recording: Recording, hub: Hub
 ) -> None:
-    ben, eva = (Viewer(hub, recording.run_id, user_id=recording.user_id(n)) for n in ("ben", "eva"))
+    with recording.database.writing() as session:
+        made = [token(session, recording.user_id(name)) for name in ("ben", "eva")]
+    ben, eva = (Viewer(hub, recording.run_id, credential=one) for one in made)
     guest = Viewer(hub, recording.run_id)
 
     async def test() -> None:
@@ -319,7 +319,7 @@ def test_the_streams_of_an_account_end_when_it_is_disabled_and_no_others(
             for viewer in (ben, eva, guest):
                 await viewer.receives("state")
             with recording.database.writing() as session:
-                people.disable(session, Actor("root"), session.get_one(User, ben.user_id))
+                revoke(session, recording.user_id("ben"))
             async with asyncio.timeout(DEADLINE_S):
                 await task
             for viewer in (eva, guest):

@@ -14,6 +14,7 @@ from urllib.parse import urlencode
 import orjson
 import pytest
 from sqlalchemy import update
+from sqlalchemy.orm import Session
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
@@ -21,9 +22,11 @@ from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.cli.server_bridge import run_on_server
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.database.tables import User
+from seamark.server.database.tables import Token, User
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import RunView
+from seamark.server.streams.access_watch import RENEW_S
+from seamark.server.streams.bridge_session import REFUSED
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.seamark.bridge.conftest import BENCHMARK, SEED, SHORT, configuration
 from tests.seamark.bridge.rosbridge.conftest import PATIENCE_S, Client
@@ -107,6 +110,19 @@ def site(_site: Site) -> Iterator[Site]:
         yield _site
 
 
+def _revoke(session: Session, token: Token) -> None:
+    assert accounts.revoke_token(session, token.user_id, token.id)
+
+
+def _expire(session: Session, token: Token) -> None:
+    session.get_one(Token, token.id).expires_at = time.time()
+
+
+def _receive_all(client: Client) -> None:
+    while True:
+        client.socket.recv(timeout=PATIENCE_S)
+
+
 def _surge(message: Any) -> float:
     return float(message["vector"]["x"])
 
@@ -185,6 +201,33 @@ def test_cancelling_the_run_closes_the_connection(site: Site) -> None:
 
     with pytest.raises(ConnectionClosed):
         client.socket.recv(timeout=PATIENCE_S)
+    assert site.ended(client).state is RunState.CANCELLED
+
+
+@pytest.mark.parametrize("end", [_revoke, _expire])
+def test_a_session_ends_with_its_token_and_its_run_is_cancelled(
+    site: Site, end: Callable[[Session, Token], None]
+) -> None:
+    site.token("eva")
+    long = SHORT | {"level_duration_s": 600.0}
+    client = site.connect_when_free("eva", config=orjson.dumps(long).decode())
+    client.subscribe("/seamark/error")
+    with site.service.database.writing() as session:
+        newest, *others = accounts.tokens(session, site.service.user_id("eva"))
+        end(session, others[-1])  # the control: it has nothing to do with the session
+    until = time.monotonic() + 2 * RENEW_S
+    while time.monotonic() < until:
+        client.receive(op="publish")
+        client.command(0.0)
+    assert site.service.show(run_of(client)).state is RunState.RUNNING
+
+    with site.service.database.writing() as session:
+        end(session, newest)
+
+    with pytest.raises(ConnectionClosed) as closed:
+        _receive_all(client)
+    assert closed.value.rcvd is not None
+    assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (1008, REFUSED)
     assert site.ended(client).state is RunState.CANCELLED
 
 
