@@ -10,7 +10,7 @@ from seamark.server import log
 QUICK = ("full_run", "physics", "camera", "exchange")
 SERVICE = (
     *("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "claims", "player"),
-    *("downloads", "connected", "upgrade_flood"),
+    *("downloads", "connected", "upgrade_flood", "strangers_bytes"),
 )
 TABLES = (
     *QUICK,

@@ -16,6 +16,7 @@ from http.client import HTTPConnection
 from multiprocessing import get_context
 from pathlib import Path
 
+from performance.table import aligned
 from seamark.client import Client
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
@@ -268,15 +269,6 @@ def table() -> str:
     with service() as running, ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         lines = [COLUMNS, *asyncio.run(_measure(running, pool))]
     return aligned(lines)
-
-
-def aligned(lines: list[tuple[str, ...]]) -> str:
-    """Return lines of cells as columns."""
-    widths = [max(len(line[at]) for line in lines) for at in range(len(COLUMNS))]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in lines
-    )
 
 
 if __name__ == "__main__":

@@ -57,3 +57,12 @@ def text(rows: Sequence[Row]) -> str:
         "  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) for line in (head, *cells)
     ]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def aligned(lines: list[tuple[str, ...]]) -> str:
+    """Return lines of cells as columns."""
+    widths = [max(len(line[at]) for line in lines) for at in range(len(lines[0]))]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
+    )

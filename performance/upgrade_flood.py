@@ -13,7 +13,8 @@ from collections.abc import AsyncIterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, asynccontextmanager, suppress
 
-from performance.streams import COLUMNS, Measurement, Service, aligned, service, viewers
+from performance.streams import COLUMNS, Measurement, Service, service, viewers
+from performance.table import aligned
 
 UPGRADES = 10_000
 READERS = 50

@@ -18,7 +18,7 @@ import numpy as np
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
-from seamark.mission_logs.scope import SUFFIXES, check_benchmark, unknown_file
+from seamark.mission_logs.scope import SUFFIXES, unknown_file
 from seamark.sandbox.printable_text import printable_text
 
 WALL_S = 300.0  # the CPU time is limited in `process`; this catches a machine that is busy
@@ -34,11 +34,17 @@ class LogReaderBroken(Exception):
     """The process that reads logs failed: a fault of Seamark, not of the log."""
 
 
-def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str, folder: Path) -> LogResult:
+def measure_limited(
+    path: Path, mapping: LogMapping | str, *, benchmark: str, folder: Path
+) -> LogResult:
     """Return what `measuring.measure` returns, within limits.
 
     Parameters
     ----------
+    mapping
+        Or its document, which is parsed within the limits, too: 16 KiB of TOML can take seconds.
+    benchmark
+        Empty: that of the mapping, or the default.
     folder
         For the rows, which are mapped from a file there and not kept in memory, and for what the
         process unpacks. The caller removes it, also after a process that was killed.
@@ -50,12 +56,11 @@ def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str, folder: 
     LogReaderBroken
         The process failed.
     """
-    check_benchmark(benchmark)
     if not path.is_dir() and path.suffix not in SUFFIXES:
         raise LogRefused(unknown_file(path.name))
     request = {
         "path": str(path.absolute()),
-        "mapping": mapping.model_dump(mode="json"),
+        "mapping": mapping if isinstance(mapping, str) else mapping.model_dump(mode="json"),
         "benchmark": benchmark,
         "rows": str(folder / _ROWS),
     }

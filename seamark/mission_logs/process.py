@@ -17,6 +17,7 @@ import numpy as np
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.scope import BENCHMARK, check_benchmark
 
 CPU_S = 120  # the largest CSV with all columns takes half of it
 DATA_MIB = 2048  # the largest log takes half of it
@@ -36,8 +37,10 @@ def main() -> None:
 
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
     try:
-        mapping = LogMapping.model_validate(request["mapping"])
-        found = measure(Path(request["path"]), mapping, benchmark=request["benchmark"])
+        mapping = _mapping(request["mapping"])
+        benchmark = request["benchmark"] or mapping.benchmark or BENCHMARK
+        check_benchmark(benchmark)
+        found = measure(Path(request["path"]), mapping, benchmark=benchmark)
     except LogRefused as reason:
         return {"refused": str(reason)}
     np.ascontiguousarray(found.rows, dtype="<f8").tofile(request["rows"])
@@ -50,6 +53,12 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
         "digest": found.digest,
         "width": found.rows.shape[1],
     }
+
+
+def _mapping(given: str | dict[str, Any]) -> LogMapping:
+    if isinstance(given, str):
+        return LogMapping.parse(given)
+    return LogMapping.model_validate(given)
 
 
 def limit() -> None:

@@ -6,7 +6,6 @@ from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
@@ -45,7 +44,7 @@ def create() -> Response:
         with refusals.as_problems():
             run_id = open_log(
                 request.files.get("log"),
-                LogMapping.parse(fields.get("mapping", "")),
+                fields.get("mapping", ""),
                 benchmark=fields.get("benchmark", ""),
                 title=fields.get("title", ""),
                 notes=fields.get("notes", ""),

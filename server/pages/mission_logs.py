@@ -3,7 +3,7 @@
 from flask import Blueprint, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.mission_logs.mapping import TEXT_MAX, LogMapping
+from seamark.mission_logs.mapping import TEXT_MAX
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.scope import BENCHMARK, SUFFIXES, measurable
 from seamark.server.accounts.permissions import Action
@@ -37,7 +37,7 @@ def create() -> ResponseReturnValue:
     try:
         run_id = open_log(
             file,
-            LogMapping.parse(posted.get("mapping", "")),
+            posted.get("mapping", ""),
             benchmark=posted.get("benchmark", ""),
             title=posted.get("title", "") or (file.filename if file else "") or "",
         )

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import BinaryIO
 
 from seamark.mission_logs.limited import measure_limited
-from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
@@ -36,7 +35,7 @@ class LogReader:
         self,
         stream: BinaryIO,
         filename: str,
-        mapping: LogMapping,
+        mapping: str,
         *,
         benchmark: str,
         owner: str,
@@ -49,6 +48,10 @@ class LogReader:
         ----------
         filename
             Its suffix says what the file is; the rest of the name is not kept.
+        mapping
+            What the log means, in TOML or JSON.
+        benchmark
+            Empty: that of the mapping, or the default.
         owner
             Whose upload it is: one of each owner is measured at a time.
         limit : int [B]

@@ -6,9 +6,7 @@ from typing import BinaryIO, cast
 
 from werkzeug.datastructures import FileStorage
 
-from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.scope import BENCHMARK
 from seamark.server.runs import mission_logs, staging
 from seamark.server.runs.files import StorageFailed
 from seamark.server.storage import StorageUnavailable
@@ -18,7 +16,7 @@ from seamark.server.web.services import services
 
 def open_log(
     file: FileStorage | None,
-    mapping: LogMapping,
+    mapping: str,
     *,
     benchmark: str = "",
     title: str = "",
@@ -42,7 +40,7 @@ def open_log(
                 cast("BinaryIO", file.stream),
                 file.filename,
                 mapping,
-                benchmark=benchmark or mapping.benchmark or BENCHMARK,
+                benchmark=benchmark,
                 owner=viewer.owner or "",
                 limit=held.settings.upload_max_bytes,
                 folder=folder,

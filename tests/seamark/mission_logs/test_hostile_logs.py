@@ -6,6 +6,7 @@ import resource
 import sqlite3
 import struct
 import sys
+import time
 import tracemalloc
 from collections.abc import Callable
 from contextlib import closing
@@ -116,6 +117,38 @@ def test_the_rows_of_a_long_log_are_not_in_the_memory_of_whoever_has_it_measured
 
     assert len(found.rows) == ROWS
     assert peak < found.rows.nbytes / 3
+
+
+def test_a_mapping_that_is_slow_to_parse_costs_whoever_has_it_measured_nothing(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("t\n0\n")
+    text = "a." * 8000 + "a=1"  # quadratic in tomllib
+    began = time.process_time()
+    with pytest.raises(LogRefused, match=r"a: Extra inputs|neither TOML nor JSON"):
+        LogMapping.parse(text)
+    parsing_s = time.process_time() - began
+
+    began = time.process_time()
+    with pytest.raises(LogRefused, match=r"a: Extra inputs|neither TOML nor JSON"):
+        limited.measure_limited(path, text, benchmark="", folder=tmp_path)
+
+    assert time.process_time() - began < parsing_s / 4
+
+
+def test_the_benchmark_is_that_of_the_mapping_unless_another_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    lines = (f"{0.05 * at:.2f},0.2,0.1,1.65,0,0,0\n" for at in range(100))
+    path.write_text("t,x,y,z,roll,pitch,yaw\n" + "".join(lines))
+    text = 'benchmark = "currents-v2"\nsettings = { settle_s = 0.0 }'
+
+    mapped = limited.measure_limited(path, text, benchmark="", folder=tmp_path)
+    named = limited.measure_limited(path, text, benchmark="currents-v1", folder=tmp_path)
+    with pytest.raises(LogRefused, match="not by 'no'"):
+        limited.measure_limited(path, 'benchmark = "no"', benchmark="", folder=tmp_path)
+
+    assert (mapped.benchmark, named.benchmark) == ("currents-v2", "currents-v1")
 
 
 def test_the_sentence_that_refuses_a_log_has_no_characters_that_act_on_a_terminal(
