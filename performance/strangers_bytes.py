@@ -10,14 +10,15 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import h11
 from flask import Flask
 from flask.testing import FlaskClient
+from websockets.protocol import State as SocketState
 from websockets.server import ServerProtocol
-from websockets.server import State as SocketState
 
 from performance.table import aligned
 from seamark.embedded.connections import READ_BYTES
@@ -25,7 +26,9 @@ from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
+from seamark.server.programs.source_differences import differences
 from seamark.server.settings import Settings
+from seamark.server.web import rate_limits
 from seamark.server.web.body_limits import FIELD_MAX, FORM_MAX_BYTES, JSON_MAX_BYTES
 from tests.hostile.web.test_work import HEADS
 from tests.services import valkey
@@ -77,6 +80,19 @@ def _field(path: str, name: str, part: str) -> Callable[[int], Made]:
     )
 
 
+def _mapping(part: str) -> Callable[[int], Made]:
+    """Return the maker of a log with a long mapping."""
+    head = '--b\r\nContent-Disposition: form-data; name="'
+    log = f'{head}log"; filename="log.csv"\r\n\r\nt\n0\r\n'
+    return lambda size: (
+        LOGS,
+        {
+            "data": f'{log}{head}mapping"\r\n\r\n{_repeated(part, size)}\r\n--b--\r\n',
+            "content_type": MULTIPART,
+        },
+    )
+
+
 def _encoded(path: str, part: str) -> Callable[[int], Made]:
     return lambda size: (path, {"data": _repeated(part, size), "content_type": URL_ENCODED})
 
@@ -84,6 +100,47 @@ def _encoded(path: str, part: str) -> Callable[[int], Made]:
 def _parts(size: int) -> Made:
     part = '--b\r\nContent-Disposition: form-data; name="a"\r\n\r\n1\r\n'
     return FORM, {"data": _repeated(part, size), "content_type": MULTIPART}
+
+
+def _query(start: str, part: str) -> Callable[[int], Made]:
+    return lambda size: (start + _repeated(part, size), {})
+
+
+QUERIES: dict[tuple[str, str], Callable[[int], Made]] = {
+    ("search", "words"): _query("/docs/search?q=", "a+"),
+    ("search", "letters"): _query("/docs/search?q=", "a"),
+    ("settings in an address", "brackets"): _query(
+        "/api/v1/rosbridge?benchmark=currents-v1&config=", "["
+    ),
+    ("settings in an address", "digits"): _query(
+        "/api/v1/rosbridge?benchmark=currents-v1&config={%22kp%22:", "9"
+    ),
+    ("runs to compare", "numbers"): _query("/api/v1/compare?runs=", "1,"),
+    ("runs to compare", "a number"): _query("/compare?runs=", "9"),
+}
+
+
+def _compared(first: Callable[[int], int], second: Callable[[int], int]) -> Callable[[int], object]:
+    """Return a call that compares two programs of a size; each line has a number by its place."""
+
+    def compare(size: int) -> object:
+        places = range(size // len(LINE % 0))
+        one, other = (b"".join(LINE % of(at) for at in places) for of in (first, second))
+        return differences({"a.py": b"1\n" + one + b"1"}, {"a.py": b"2\n" + other + b"2"})
+
+    return compare
+
+
+LINE = b"%08d\n"  # 16 KiB are somewhat fewer lines than are compared
+PROGRAMS: dict[tuple[str, str], Callable[[int], object]] = {
+    ("differences of programs", "equal lines"): _compared(lambda _: 0, lambda _: 0),
+    ("differences of programs", "lines that come again"): _compared(
+        lambda at: at % 500, lambda at: -at % 499
+    ),
+    ("differences of programs", "lines in another order"): _compared(
+        lambda at: at, lambda at: 1819 - at
+    ),
+}
 
 
 RUN = '{"benchmark":"currents-v1","controller":"pi",'
@@ -146,8 +203,8 @@ BODIES: dict[tuple[str, str], tuple[Callable[[int], Made], int]] = {
         ),
         FORM_MAX_BYTES,
     ),
-    ("mapping of a log", "a dotted key"): (_field(LOGS, "mapping", "a."), FIELD_MAX),
-    ("mapping of a log", "brackets"): (_field(LOGS, "mapping", "a=[["), FIELD_MAX),
+    ("mapping of a log", "a dotted key"): (_mapping("a."), FIELD_MAX),
+    ("mapping of a log", "brackets"): (_mapping("a=[["), FIELD_MAX),
     ("field of a form", "digits"): (_field(FORM, "kp", "9"), FIELD_MAX),
     ("field of a form", "levels"): (_field(FORM, "levels", "0,"), FIELD_MAX),
     ("password", "letters"): (_field("/sign-in", "password", "b"), FIELD_MAX),
@@ -232,7 +289,8 @@ def _application() -> Iterator[tuple[Flask, dict[str, str]]]:
             token = accounts.new_token(session, user.id, "performance", ("read", "submit"))
         database.close()
         app = create_app(settings)
-        app.config.update(RATELIMIT_ENABLED=False, WTF_CSRF_METHODS=[])
+        app.config.update(WTF_CSRF_METHODS=[])
+        rate_limits.limiter.enabled = False
         try:
             yield app, {"Authorization": f"Bearer {token}"}
         finally:
@@ -257,10 +315,16 @@ def _row(names: tuple[str, str], size: int, worst_ms: float, small_ms: float) ->
 
 def _rows() -> Iterator[tuple[str, ...]]:
     for names, parse in WIRE.items():
-        small = _least_ms(lambda parse=parse: parse(SMALL))
-        yield _row(names, READ_BYTES, _least_ms(lambda parse=parse: parse(READ_BYTES)), small)
+        small = _least_ms(partial(parse, SMALL))
+        yield _row(names, READ_BYTES, _least_ms(partial(parse, READ_BYTES)), small)
+    for names, compare in PROGRAMS.items():
+        small = _least_ms(partial(compare, SMALL))
+        yield _row(names, KIB16, _least_ms(partial(compare, KIB16)), small)
     with _application() as (app, headers):
         client = app.test_client()
+        for names, query in QUERIES.items():
+            small = _sent_ms(client, "GET", headers, query(SMALL))
+            yield _row(names, KIB16, _sent_ms(client, "GET", headers, query(KIB16)), small)
         for name, head in HEADS.items():
             small = _sent_ms(client, "GET", headers, head(SMALL))
             yield _row(("head", name), KIB16, _sent_ms(client, "GET", headers, head(KIB16)), small)

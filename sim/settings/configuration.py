@@ -27,6 +27,7 @@ from seamark.sim.settings.setting import (
     schema_extras,
 )
 
+_MESSAGES_MAX = 20  # each unknown setting is compared with all known ones, and may list them
 _DECIMAL_COMMA = re.compile(r"\s*(-?\d+),(\d+)\s*")
 _ADAPTERS: dict[object, TypeAdapter[Any]] = {
     annotation: TypeAdapter(annotation) for annotation in (bool, int, float, str, tuple[float, ...])
@@ -201,7 +202,7 @@ def _listed(value: object) -> object:
 
 def _messages(cls: type[Configuration], invalid: ValidationError) -> dict[str, str]:
     messages: dict[str, str] = {}
-    for error in invalid.errors(include_url=False):
+    for error in invalid.errors(include_url=False)[:_MESSAGES_MAX]:
         name = str(error["loc"][0]) if error["loc"] else "configuration"
         messages.setdefault(name, _message(cls, name, error))
     return messages

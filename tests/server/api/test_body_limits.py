@@ -48,6 +48,12 @@ def _program(run: str, name: str, content: bytes = b"x") -> Request:
     return _raw(RUNS, MULTIPART, body)
 
 
+def _log(mapping: bytes) -> Request:
+    log = b'--b\r\nContent-Disposition: form-data; name="log"; filename="a.csv"\r\n\r\nt\n0\r\n'
+    body = log + PART % b"mapping" + mapping + b"\r\n--b--\r\n"
+    return _raw("/api/v1/logs", MULTIPART, body)
+
+
 ATTACKS: dict[str, Callable[[], Request]] = {
     "JSON: many unknown settings": lambda: _config({f"k{i}": 1 for i in range(20_000)}),
     "JSON: settings misspelled": lambda: _config({f"level_duration_{i}": 1 for i in range(9000)}),
@@ -75,6 +81,7 @@ ATTACKS: dict[str, Callable[[], Request]] = {
     "form: brackets in an expression": lambda: _field(FORM, b"score", b"(" * (8 * MIB)),
     "form: a long file name": lambda: _program('{"benchmark": "currents-v1"}', "a" * MIB + ".py"),
     "form: a long CSRF token": lambda: _field("/sign-in", b"csrf_token", b"b." * (4 * MIB)),
+    "log: a mapping of quadratic cost": lambda: _log(b"a." * 8000 + b"a=1"),
     "form: a long password": lambda: _field("/sign-in", b"password", b"b" * (8 * MIB)),
 }
 
@@ -123,4 +130,14 @@ def test_a_guest_may_send_a_small_form_and_not_a_large_one(site: Site) -> None:
 def test_a_problem_document_names_no_more_than_twenty_fields(site: Site) -> None:
     answer = site.call("owner", "POST", RUNS, json={f"k{i}": 1 for i in range(100)})
 
+    assert len(answer.get_json()["errors"]) == 20
+
+
+def test_a_problem_document_names_no_more_than_twenty_settings(site: Site) -> None:
+    config = {f"no setting is like {i}": 1 for i in range(CONFIG_MAX)}
+    document = {"benchmark": "currents-v1", "controller": "pi", "config": config}
+
+    answer = site.call("owner", "POST", RUNS, json=document)
+
+    assert answer.status_code == 422
     assert len(answer.get_json()["errors"]) == 20
