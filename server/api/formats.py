@@ -19,7 +19,7 @@ from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath
 from seamark.server.programs import store
 from seamark.server.runs import citations
-from seamark.server.runs.conversions import ConversionsBusy, Job
+from seamark.server.runs.conversions import Job
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.views import RunView
@@ -28,8 +28,6 @@ from seamark.server.web.citation import citation_of, with_publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.recording.manifest import versions
-
-_BUSY_RETRY_S = 10
 
 api = APIBlueprint(
     "api_formats",
@@ -103,14 +101,7 @@ def _converted(run_id: int, kind: Format) -> Response:
     run_files.as_attachment(answer, view, kind.file)
     if request.if_none_match.contains(answer.get_etag()[0] or ""):
         return caching.conditional(answer)
-    try:
-        conversion = services().conversions.start(line + program, owner=rate_limits.client())
-    except ConversionsBusy:
-        raise Problem(
-            "unavailable",
-            "Other files are being written.",
-            headers={"Retry-After": str(_BUSY_RETRY_S)},
-        ) from None
+    conversion = services().conversions.start(line + program, owner=rate_limits.client())
     answer.response = conversion  # which is closed with it
     return answer
 

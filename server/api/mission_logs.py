@@ -12,13 +12,11 @@ from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunResponse, run_answer
 from seamark.server.runs import views
-from seamark.server.runs.log_reader import LogsBusy, LogTooLarge
+from seamark.server.runs.log_reader import LogTooLarge
 from seamark.server.web import access, body_limits, rate_limits
 from seamark.server.web.mission_logs import open_log
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
-
-_BUSY_RETRY_S = 10
 
 api = APIBlueprint(
     "api_mission_logs",
@@ -52,9 +50,6 @@ def create() -> Response:
     except LogRefused as refusal:
         slug = "payload-too-large" if isinstance(refusal, LogTooLarge) else "log-refused"
         raise Problem(slug, str(refusal), errors={"log": str(refusal)}) from None
-    except LogsBusy as refusal:
-        retry = {"Retry-After": str(_BUSY_RETRY_S)}
-        raise Problem("unavailable", str(refusal), headers=retry) from None
     with services().database.reading() as database:
         view = views.show(database, run_id, services().settings)
     if view is None:

@@ -11,7 +11,7 @@ from werkzeug.exceptions import HTTPException
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.programs.reader import ReaderBusy
+from seamark.server.programs.fair_places import PlacesBusy
 from seamark.server.runs.run_size import size
 from seamark.server.storage import StorageUnavailable
 from seamark.server.web import authentication, problems
@@ -75,7 +75,8 @@ def register(app: Flask) -> None:
     app.register_error_handler(Problem, _show_problem)
     app.register_error_handler(StorageUnavailable, _show_storage)
     app.register_error_handler(OSError, _show_unreadable)
-    for part_is_away in (OperationalError, InterfaceError, ReaderBusy):
+    app.register_error_handler(PlacesBusy, _show_busy)
+    for part_is_away in (OperationalError, InterfaceError):
         app.register_error_handler(part_is_away, _show_unavailable)
 
 
@@ -110,12 +111,21 @@ def _show_csrf(error: CSRFError) -> ResponseReturnValue:
 
 
 def _show_unavailable(error: Exception) -> ResponseReturnValue:
-    """Respond while the database is away, or too many uploads are being read."""
+    """Respond while the database is away."""
     _log.error("unavailable", path=request.path, error=f"{type(error).__name__}: {error}"[:500])
     headers = {"Retry-After": str(_RETRY_S)}
     if problems.prefers_json():
         return Problem("unavailable", headers=headers).response()
     return *_render(503, *_MESSAGES[503]), headers
+
+
+def _show_busy(busy: PlacesBusy) -> ResponseReturnValue:
+    """Say what is busy, and when there will be a place."""
+    slug = "rate-limited" if busy.own else "unavailable"
+    problem = Problem(slug, str(busy), headers={"Retry-After": str(busy.retry_after_s)})
+    if problems.prefers_json():
+        return problem.response()
+    return *_render(problem.type.status, problem.type.title, str(busy), ""), problem.headers
 
 
 def _show_unreadable(error: OSError) -> ResponseReturnValue:

@@ -8,8 +8,9 @@ from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.scope import BENCHMARK, SUFFIXES, measurable
 from seamark.server.accounts.permissions import Action
 from seamark.server.pages import benchmarks
+from seamark.server.programs.fair_places import PlacesBusy
 from seamark.server.runs import run_notes
-from seamark.server.runs.log_reader import LogsBusy, LogTooLarge
+from seamark.server.runs.log_reader import LogTooLarge
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.storage import StorageUnavailable
 from seamark.server.web import access, body_limits
@@ -47,7 +48,9 @@ def create() -> ResponseReturnValue:
         return _show(posted, str(refusal)), 422
     except QuotaExceeded as refusal:
         return _show(posted, str(refusal)), 429
-    except (LogsBusy, StorageUnavailable) as refusal:
+    except PlacesBusy as refusal:
+        return _show(posted, str(refusal)), 503, {"Retry-After": str(refusal.retry_after_s)}
+    except StorageUnavailable as refusal:
         return _show(posted, f"{refusal} Try again in a moment."), 503
     return redirect(url_for("run.show", run_id=run_id), code=303)
 

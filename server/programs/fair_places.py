@@ -1,14 +1,31 @@
 """Places that owners share: one each at a time, and in turns while others wait."""
 
+import math
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 ALL_WAITING_MAX = 12  # threads of all owners: whoever has many owners shall not take all threads
+RETRY_MAX_S = 60  # whoever is told more would rather not come again
+_FIRST_HELD_S = 1.0  # how long a place is held, before any was
+_NEWEST = 0.2  # weight of the newest place in the average
 
 
 class PlacesBusy(Exception):
-    """There was no place in time, or too many wait already: of the owner, or of all."""
+    """There was no place in time, or too many wait already. The text is for the user.
+
+    Attributes
+    ----------
+    retry_after_s : int
+        When there will be a place, by how long places were held lately [s].
+    own : bool
+        Those that wait are the owner's own.
+    """
+
+    def __init__(self, sentence: str, *, retry_after_s: int, own: bool) -> None:
+        super().__init__(f"{sentence} Try again in {retry_after_s} s.")
+        self.retry_after_s, self.own = retry_after_s, own
 
 
 class FairPlaces:
@@ -22,10 +39,13 @@ class FairPlaces:
         How long `taken` waits for one.
     waiting_max
         How many threads of one owner may wait: each of them serves nobody else meanwhile.
+    what
+        What has the places, in the plural, for the sentence that refuses one more.
     """
 
-    def __init__(self, count: int, *, wait_s: float, waiting_max: int) -> None:
+    def __init__(self, count: int, *, wait_s: float, waiting_max: int, what: str) -> None:
         self._count, self._wait_s, self._waiting_max = count, wait_s, waiting_max
+        self._what, self._held_s = what, _FIRST_HELD_S
         self._changed = threading.Condition()
         self._busy: set[str] = set()
         self._waiting: dict[str, int] = {}  # owner -> threads, in the order of their turns
@@ -35,21 +55,33 @@ class FairPlaces:
         """Hold a place; raises PlacesBusy without one."""
         with self._changed:
             own, everybody = self._waiting.get(owner, 0), sum(self._waiting.values())
-            if own >= self._waiting_max or everybody >= ALL_WAITING_MAX:
-                raise PlacesBusy
+            if own >= self._waiting_max:
+                raise self._refused(f"{own} {self._what} of yours wait already.", own, own=True)
+            if everybody >= ALL_WAITING_MAX:
+                raise self._refused(f"{everybody} {self._what} wait already.", everybody)
             self._waiting[owner] = own + 1
             got = self._changed.wait_for(lambda: self._is_next(owner), self._wait_s)
             self._leave_queue(owner)
             if not got:
-                raise PlacesBusy
+                others = sum(self._waiting.values())
+                sentence = f"Other {self._what} had all places for {self._wait_s:g} s."
+                raise self._refused(sentence, others)
             self._busy.add(owner)
             self._changed.notify_all()
+        began = time.monotonic()
         try:
             yield
         finally:
             with self._changed:
+                self._held_s += _NEWEST * (time.monotonic() - began - self._held_s)
                 self._busy.remove(owner)
                 self._changed.notify_all()
+
+    def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> PlacesBusy:
+        """Return the refusal of one more behind those that wait."""
+        places = 1 if own else self._count
+        after_s = math.ceil((waiting + 1) * self._held_s / places)
+        return PlacesBusy(sentence, retry_after_s=min(max(after_s, 1), RETRY_MAX_S), own=own)
 
     def _is_next(self, owner: str) -> bool:
         free = len(self._busy) < self._count

@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.programs import preparation
 from seamark.server.programs.diagnostics import Diagnostic, Stage
-from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+from seamark.server.programs.fair_places import FairPlaces
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 
@@ -28,10 +28,6 @@ _TOO_HEAVY = "{}: reading it takes too much time or memory. Split it, or make it
 _BY_LIMIT = {-signal.SIGKILL, -signal.SIGXCPU}  # the kernel sends SIGKILL at the hard CPU limit
 
 
-class ReaderBusy(Exception):
-    """Too many uploads are being read; try again. Not the fault of this one."""
-
-
 class ReaderBroken(Exception):
     """The process that reads uploads failed: a fault of the service."""
 
@@ -39,8 +35,8 @@ class ReaderBroken(Exception):
 class ProgramReader:
     """Reads uploads in limited processes, of which one waits ready for the next upload."""
 
-    def __init__(self) -> None:
-        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX)
+    def __init__(self, *, wait_s: float = WAIT_S, waiting_max: int = WAITING_MAX) -> None:
+        self.places = FairPlaces(PLACES, wait_s=wait_s, waiting_max=waiting_max, what="uploads")
         self._lock = threading.Lock()
         self._spare: subprocess.Popen[bytes] | None = None
         self._closed = False
@@ -64,7 +60,9 @@ class ProgramReader:
         ------
         UploadRejected
             It cannot be a program, or reading it costs too much.
-        ReaderBusy, ReaderBroken
+        PlacesBusy
+            Too many uploads are being read: not the fault of this one.
+        ReaderBroken
             The service could not read it.
         """
         name = preparation.clean_name(filename)
@@ -72,11 +70,8 @@ class ProgramReader:
         if language is not None and LANGUAGES[language].is_text:
             limit = min(limit, preparation.TEXT_MAX_BYTES)
         source = _read(stream, limit)
-        try:
-            with self._places.taken(owner):
-                return self._prepare(source, name, role)
-        except PlacesBusy:
-            raise ReaderBusy("Many programs are being uploaded.") from None
+        with self.places.taken(owner):
+            return self._prepare(source, name, role)
 
     def close(self) -> None:
         """End the process that waits."""

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import BinaryIO
 
 from seamark.formats.registry import Format
-from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+from seamark.server.programs.fair_places import FairPlaces
 from seamark.server.runs.files import RunFiles
 
 PLACES = 2  # runs that one web process has converted at once, in up to 250 MB each; others wait
@@ -27,10 +27,6 @@ COMMAND = (sys.executable, "-I", "-m", "seamark.server.runs.conversion_process")
 _ERRORS_SHOWN = 2000  # characters
 # Compiled code of the camera is found by these; no secret of the service is among them.
 _ENVIRONMENT = ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "PATH")
-
-
-class ConversionsBusy(Exception):
-    """Too many runs are being converted; try again."""
 
 
 class ConversionFailed(Exception):
@@ -62,7 +58,7 @@ class Conversions:
     """The places of one web process; `command` starts the process that writes a file."""
 
     def __init__(self, *, wait_s: float = WAIT_S, command: Sequence[str] = COMMAND) -> None:
-        self._places = FairPlaces(PLACES, wait_s=wait_s, waiting_max=WAITING_MAX)
+        self._places = FairPlaces(PLACES, wait_s=wait_s, waiting_max=WAITING_MAX, what="downloads")
         self._command = command
 
     def start(self, request: bytes, *, owner: str) -> "Conversion":
@@ -77,14 +73,11 @@ class Conversions:
 
         Raises
         ------
-        ConversionsBusy
+        PlacesBusy
             There was no place in time.
         """
         held = ExitStack()
-        try:
-            held.enter_context(self._places.taken(owner))
-        except PlacesBusy:
-            raise ConversionsBusy from None
+        held.enter_context(self._places.taken(owner))
         return Conversion(self._command, request, held)
 
 

@@ -9,16 +9,12 @@ from seamark.mission_logs.limited import measure_limited
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
-from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+from seamark.server.programs.fair_places import FairPlaces
 
 PLACES = 2  # logs that one web process has measured at the same time; the others wait
 WAIT_S = 20.0  # for a place
 WAITING_MAX = 2  # uploads of one account: each has a thread of the web server
 _CHUNK = 1 << 20
-
-
-class LogsBusy(Exception):
-    """Too many logs are being measured; try again."""
 
 
 class LogTooLarge(LogRefused):
@@ -29,7 +25,7 @@ class LogReader:
     """The places of one web process."""
 
     def __init__(self) -> None:
-        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX)
+        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX, what="logs")
 
     def read(
         self,
@@ -63,7 +59,7 @@ class LogReader:
         ------
         LogRefused
             The log cannot be read or measured, or costs too much.
-        LogsBusy
+        PlacesBusy
             There was no place in time.
         """
         suffix = Path(filename[-100:].lower()).suffix
@@ -71,11 +67,8 @@ class LogReader:
             raise LogRefused(unknown_file(filename[-100:]))
         path = folder / f"log{suffix}"
         _copy(stream, path, limit)
-        try:
-            with self._places.taken(owner):
-                return measure_limited(path, mapping, benchmark=benchmark, folder=folder)
-        except PlacesBusy:
-            raise LogsBusy("Other logs are being measured.") from None
+        with self._places.taken(owner):
+            return measure_limited(path, mapping, benchmark=benchmark, folder=folder)
 
 
 def _copy(stream: BinaryIO, path: Path, limit: int) -> None:

@@ -26,7 +26,7 @@ def open_log(
 
     Raises
     ------
-    LogRefused, LogsBusy, QuotaExceeded, StorageUnavailable
+    LogRefused, PlacesBusy, QuotaExceeded, StorageUnavailable
         It cannot be read, measured or stored.
     """
     if file is None or not file.filename:

@@ -50,7 +50,7 @@ def _waits(places: FairPlaces, owner: str, threads: int) -> Callable[[], bool]:
 
 
 def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> None:
-    places = FairPlaces(2, wait_s=LONG_S, waiting_max=3)
+    places = FairPlaces(2, wait_s=LONG_S, waiting_max=3, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
@@ -76,15 +76,16 @@ def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> 
 
 
 def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
-    places = FairPlaces(1, wait_s=LONG_S, waiting_max=1)
+    places = FairPlaces(1, wait_s=LONG_S, waiting_max=1, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
     waiting = uploads.begin("a2")
     _eventually(_waits(places, "a", 1))
 
-    with pytest.raises(PlacesBusy):
+    with pytest.raises(PlacesBusy, match="1 uploads of yours wait already") as busy:
         uploads.begin("a3").result(LONG_S)
+    assert busy.value.own
 
     uploads.end("a1")
     uploads.end("a2")
@@ -92,7 +93,7 @@ def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
 
 
 def test_many_owners_leave_threads_for_the_pages() -> None:
-    places = FairPlaces(1, wait_s=LONG_S, waiting_max=2)
+    places = FairPlaces(1, wait_s=LONG_S, waiting_max=2, what="uploads")
     uploads = Uploads(places)
     uploads.begin("A1")
     _eventually(lambda: uploads.started == ["A1"])
@@ -101,15 +102,16 @@ def test_many_owners_leave_threads_for_the_pages() -> None:
         uploads.begin(f"{owner}1")
         _eventually(_waits(places, owner, 1))
 
-    with pytest.raises(PlacesBusy):
+    with pytest.raises(PlacesBusy, match=f"{ALL_WAITING_MAX} uploads wait already") as busy:
         uploads.begin("z1").result(LONG_S)
+    assert busy.value.retry_after_s == ALL_WAITING_MAX + 1
 
     for name in ("A1", *(f"{owner}1" for owner in owners)):
         uploads.end(name)
 
 
 def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> None:
-    places = FairPlaces(1, wait_s=0.01, waiting_max=3)
+    places = FairPlaces(1, wait_s=0.01, waiting_max=3, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
