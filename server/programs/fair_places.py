@@ -63,9 +63,7 @@ class FairPlaces:
             got = self._changed.wait_for(lambda: self._is_next(owner), self._wait_s)
             self._leave_queue(owner)
             if not got:
-                others = sum(self._waiting.values())
-                sentence = f"Other {self._what} had all places for {self._wait_s:g} s."
-                raise self._refused(sentence, others)
+                raise self._too_late(owner)
             self._busy.add(owner)
             self._changed.notify_all()
         began = time.monotonic()
@@ -76,6 +74,14 @@ class FairPlaces:
                 self._held_s += _NEWEST * (time.monotonic() - began - self._held_s)
                 self._busy.remove(owner)
                 self._changed.notify_all()
+
+    def _too_late(self, owner: str) -> PlacesBusy:
+        """Return the refusal of one that has waited for as long as it may."""
+        if owner in self._busy:
+            sentence = f"One of your {self._what} had your place for {self._wait_s:g} s."
+            return self._refused(sentence, self._waiting.get(owner, 0), own=True)
+        sentence = f"Other {self._what} had all places for {self._wait_s:g} s."
+        return self._refused(sentence, sum(self._waiting.values()))
 
     def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> PlacesBusy:
         """Return the refusal of one more behind those that wait."""

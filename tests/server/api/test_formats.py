@@ -120,7 +120,8 @@ def test_one_client_has_one_file_written_at_a_time(site: Site) -> None:
     held.close()
     after = fetch(site, run_id, "npz")
 
-    assert (refused.status_code, refused.headers["Retry-After"]) == (503, "10")
+    assert (refused.status_code, refused.headers["Retry-After"]) == (429, "1")
+    assert "One of your downloads had your place" in refused.get_json()["detail"]
     assert (of_another.status_code, after.status_code) == (200, 200)
 
 
