@@ -11,13 +11,13 @@ from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from pydantic import BaseModel, ConfigDict, Field, Json
-from sqlalchemy.exc import InterfaceError, OperationalError
 
 from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.protocol import SetAxes
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
+from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.runs import cancellation, queue, submission
 from seamark.server.runs.connected import ROSBRIDGE
 from seamark.server.runs.submission import Submission, ValidSubmission
@@ -116,7 +116,7 @@ class _Conversation:
                 queue.start(database, run_id, place, settings)
         except StorageUnavailable as error:
             raise _later("storage-unavailable", str(error)) from None
-        except (OperationalError, InterfaceError):
+        except DATABASE_AWAY:
             raise _later("unavailable", "") from None
         return run_id
 
@@ -132,7 +132,7 @@ class _Conversation:
         """Cancel the run: its program has not failed, and has not disconnected either."""
         try:
             cancellation.cancel(self._services.database, self._services.redis, self._run_id)
-        except (OperationalError, InterfaceError) as error:  # it fails as that of a lost program
+        except DATABASE_AWAY as error:  # it fails as that of a lost program
             _log.warning("run_not_cancelled", run=self._run_id, error=str(error))
 
     async def end(self) -> None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import InternalError, OperationalError
+from sqlalchemy.exc import InterfaceError, InternalError, OperationalError
 from sqlalchemy.orm import Session
 
 from seamark.server.database import session_limits
@@ -21,6 +21,7 @@ _POSTGRESQL = {
     "keepalives_count": 4,
     "tcp_user_timeout": 30_000,  # [ms]
 }
+DATABASE_AWAY = (OperationalError, InterfaceError)  # or held up by others for too long
 BUSY_S = 10.0  # a statement waits this long for another writer
 IDLE_S = 15.0  # half a lease: an open transaction between two statements, on PostgreSQL
 _RETRY_S = 0.01

@@ -6,11 +6,11 @@ import structlog
 from flask import Flask, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from flask_wtf.csrf import CSRFError
-from sqlalchemy.exc import InterfaceError, OperationalError
 from werkzeug.exceptions import HTTPException
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Viewer
+from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.programs.fair_places import PlacesBusy
 from seamark.server.runs.run_size import size
 from seamark.server.storage import StorageUnavailable
@@ -76,7 +76,7 @@ def register(app: Flask) -> None:
     app.register_error_handler(StorageUnavailable, _show_storage)
     app.register_error_handler(OSError, _show_unreadable)
     app.register_error_handler(PlacesBusy, _show_busy)
-    for part_is_away in (OperationalError, InterfaceError):
+    for part_is_away in DATABASE_AWAY:
         app.register_error_handler(part_is_away, _show_unavailable)
 
 
@@ -112,7 +112,7 @@ def _show_csrf(error: CSRFError) -> ResponseReturnValue:
 
 def _show_unavailable(error: Exception) -> ResponseReturnValue:
     """Respond while the database is away."""
-    _log.error("unavailable", path=request.path, error=f"{type(error).__name__}: {error}"[:500])
+    services().outage.failed(error)
     headers = {"Retry-After": str(_RETRY_S)}
     if problems.prefers_json():
         return Problem("unavailable", headers=headers).response()

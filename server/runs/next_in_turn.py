@@ -89,6 +89,18 @@ def _oldest() -> Select[int]:
 
 # Built once: building them takes longer than the database with them.
 _LOCKING, _OLDEST = _locking(), _oldest()
+_ANYBODY = select(Turn.owner).where(*_may_start(Turn)).limit(1)
+
+
+def may_start(session: Session, languages: Collection[str], limit: int) -> bool:
+    """Return whether there is a run that a claim would start now, without a lock."""
+    for priority in Priority:
+        if priority is Priority.BASELINE and _baseline_runs(session):
+            continue
+        bound = {"languages": sorted(languages), "priority": int(priority), "limit": limit}
+        if session.connection().scalar(_ANYBODY, bound) is not None:
+            return True
+    return False
 
 
 def find(
@@ -115,7 +127,7 @@ def find(
     """
     suitable = {"languages": sorted(languages)}
     for priority in _order(guests_first=guests_first):
-        if priority is Priority.BASELINE and _baseline_runs(session):
+        if priority is Priority.BASELINE and not _baseline_may_start(session):
             continue
         bound = suitable | {"priority": int(priority), "limit": limit}
         owner, taken = session.connection().execute(_LOCKING, bound).one()
@@ -139,9 +151,11 @@ def _order(*, guests_first: bool) -> Iterator[Priority]:
             yield priority
 
 
+def _baseline_may_start(session: Session) -> bool:
+    """Return whether no baseline runs or starts: one at a time, however many there are."""
+    return try_acquire(session, AdvisoryLock.BASELINE_TURN) and not _baseline_runs(session)
+
+
 def _baseline_runs(session: Session) -> bool:
-    """Return whether a baseline is running or starting: one at a time, however many there are."""
-    if not try_acquire(session, AdvisoryLock.BASELINE_TURN):
-        return True
     running = select(Turn.owner).where(turns.IS_SERVED, Turn.priority == int(Priority.BASELINE))
     return session.scalar(running.limit(1)) is not None

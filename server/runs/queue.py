@@ -9,6 +9,7 @@ or the room for its data `INTERRUPTIONS_MAX` times: by then it may be the run th
 """
 
 import time
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
@@ -308,6 +309,22 @@ def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> 
 def length(session: Session) -> int:
     """Return how many runs are queued."""
     return session.scalar(select(func.count()).where(IS_QUEUED)) or 0
+
+
+def neglected(session: Session, settings: Settings) -> float | None:
+    """Return when the last run started, if runs wait that a worker with a free place could start.
+
+    None if all is as it should be: nothing waits, all places are taken, their workers are drained
+    or prepare, or run no such programs, or all owners have as many running runs as they may.
+    """
+    busy = Counter(map(workers.worker_of, busy_processes(session)))
+    ready = [each for each in workers.listed(session) if each.claims and not each.preparing]
+    free = [worker for worker in ready if busy[worker.name] < worker.slots]
+    languages = {language for worker in free for language in worker.languages}
+    limit = running_limit(session, settings)
+    if not free or not next_in_turn.may_start(session, languages, limit):
+        return None
+    return session.scalar(select(func.max(Turn.served_at))) or 0.0
 
 
 def running_limit(session: Session, settings: Settings) -> int:

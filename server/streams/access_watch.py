@@ -6,15 +6,14 @@ import asyncio
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 
-import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.accounts import credentials
 from seamark.server.accounts.credentials import Credential
 from seamark.server.database.engine import Database
+from seamark.server.outages import Outage
 
 RENEW_S = 2.0  # between two looks
-_log = structlog.get_logger()
 
 
 class AccessWatch:
@@ -26,6 +25,7 @@ class AccessWatch:
     def __init__(self, database: Database, *, every_s: float = RENEW_S) -> None:
         self._database, self._every_s = database, every_s
         self._open: dict[object, tuple[Credential, Callable[[], None]]] = {}
+        self._outage = Outage("database", of="streams")
         self._task: asyncio.Task[None] | None = None
 
     @contextmanager
@@ -59,8 +59,9 @@ class AccessWatch:
         try:
             refused = await asyncio.to_thread(self._refused, known)
         except SQLAlchemyError as error:  # nobody can revoke anything either
-            _log.warning("access_not_read", error=str(error))
+            self._outage.failed(error)
             return
+        self._outage.over()
         for key, (credential, end) in list(self._open.items()):
             if credential in refused:
                 del self._open[key]

@@ -14,6 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import live_data
+from seamark.server.outages import Outage
 from seamark.server.runs import stored_files, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
@@ -80,11 +81,13 @@ class Feed:
 
     async def run(self) -> None:
         """Send events until the run has ended."""
+        outage = Outage("database", run=self._run_id)
         while True:
             try:
                 view = await self._thread(self._view)
+                outage.over()
             except SQLAlchemyError as error:  # what the run records is not in the database
-                _log.warning("state_not_read", run=self._run_id, error=str(error))
+                outage.failed(error)
                 await self._send_until_next_poll()
                 continue
             ended = view is None or view.state.final

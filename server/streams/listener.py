@@ -7,12 +7,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import structlog
 from redis.asyncio import Redis
 from redis.asyncio.client import PubSub
 from redis.exceptions import RedisError
 
 from seamark.server.messaging import broker, live_data, live_events
+from seamark.server.outages import Outage
 from seamark.server.settings import Settings
 from seamark.server.streams.feed import Feed
 
@@ -21,7 +21,6 @@ LISTEN_S = 0.2  # before the listener looks what is watched, and whether it is t
 ASK_S = 1.0  # between two requests for data that is missing
 RENEW_S = 3.0  # between two signs that a run is still watched
 COMMAND_S = 10.0  # that the broker may take for a command
-_log = structlog.get_logger()
 
 
 class Listener:
@@ -43,15 +42,17 @@ class Listener:
 
     async def listen(self) -> None:
         """Listen; while the broker is away, have the feeds look at the database more often."""
+        outage = Outage("broker")
         while not _cancelled():
             try:
                 async with broker.connect_async(self._settings) as redis, redis.pubsub() as channel:
                     await channel.subscribe(live_events.CHANNEL)
                     self._watched.clear()
                     self._missed()
+                    outage.over()
                     await self._receive(redis, channel)
             except (RedisError, TimeoutError) as error:
-                _log.warning("states_not_received", error=str(error))
+                outage.failed(error)
                 self._missed()
                 await asyncio.sleep(BROKER_RETRY_S)
 

@@ -27,6 +27,8 @@ from seamark.server.web.received_body import (
     receive_body,
 )
 
+APART = {"/healthz", "/readyz"}  # answered by threads of their own, whatever the others wait for
+THREADS_APART = 4
 THREADS = 64  # requests that are worked on at the same time; most of them wait for the database
 LARGE_BODIES = 64  # that may be on the disk at the same time; others wait to be received
 PART_BYTES = 64 * 1024  # of a response, made at once
@@ -117,6 +119,7 @@ class AsgiApplication:
         self._on_answer = on_answer
         self._body_max = body_max
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="request")
+        self._apart = ThreadPoolExecutor(THREADS_APART, thread_name_prefix="health")
         self._large_bodies = asyncio.Semaphore(LARGE_BODIES)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -150,7 +153,7 @@ class AsgiApplication:
         del environ["HTTP_UPGRADE"]  # Werkzeug has other routes for these
         sent, call = Sent(send), _Call(self._wsgi, environ)
         try:
-            body = await self._in_thread(call.begin)  # of a refusal it has all
+            body = await _in_thread(self._threads, call.begin)  # of a refusal it has all
             conversation = environ.get(websockets.CONVERSATION)
             if conversation is None:
                 await websockets.refuse(call.head, body, sent)
@@ -159,7 +162,7 @@ class AsgiApplication:
                 socket = websockets.WebSocket(receive, sent, abort)
                 await websockets.converse(conversation, socket, sent)
         finally:
-            await self._in_thread(call.close)
+            await _in_thread(self._threads, call.close)
             self._on_answer(environ, sent)
 
     async def _body(self, environ: Environ, receive: Receive, held: AsyncExitStack) -> ReceivedBody:
@@ -174,23 +177,21 @@ class AsgiApplication:
         )
 
     async def _answer(self, call: _Call, scope: Scope, receive: Receive, send: Send) -> None:
+        threads = self._apart if scope["path"] in APART else self._threads
         gone = asyncio.ensure_future(_until_gone(receive))
         abort = scope.get("extensions", {}).get(ABORT, lambda: None)
         try:
-            part: bytes | None = await self._in_thread(call.begin)
+            part: bytes | None = await _in_thread(threads, call.begin)
             await send(call.head)
             while part is not None and not gone.done():
                 await send(_body(part))
-                part = None if call.exhausted else await self._in_thread(call.next_part)
+                part = None if call.exhausted else await _in_thread(threads, call.next_part)
             if call.continuation is not None and not gone.done():
                 await _continue(call.continuation(Connection(gone, abort)), send)
             await send(_body(b"", more=False))
         finally:
             gone.cancel()
-            await self._in_thread(call.close)
-
-    async def _in_thread(self, function: Callable[[], Result]) -> Result:
-        return await asyncio.get_running_loop().run_in_executor(self._threads, function)
+            await _in_thread(threads, call.close)
 
 
 class _Call:
@@ -238,6 +239,10 @@ class _Call:
         code = int(status.split(" ", 1)[0])
         self.head = {"type": "http.response.start", "status": code, "headers": encoded}
         return _no_write
+
+
+async def _in_thread(threads: ThreadPoolExecutor, function: Callable[[], Result]) -> Result:
+    return await asyncio.get_running_loop().run_in_executor(threads, function)
 
 
 def _no_write(_: bytes) -> None:

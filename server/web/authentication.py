@@ -18,13 +18,16 @@ BEARER = "bearer"  # case-insensitive (RFC 9110, 11.1)
 _SESSION, _GUEST = "session", "guest"
 
 
+_ANYBODYS = frozenset(("static", "health.alive", "health.ready"))  # the same for everybody
+
+
 def register(app: Flask) -> None:
     """Set `g.viewer` before each request."""
 
     @app.before_request
     def find_viewer() -> None:
         g.viewer = Viewer()  # for the error page, in case authentication fails
-        if request.endpoint != "static" and not _has_other_token():
+        if request.endpoint not in _ANYBODYS and not _has_other_token():
             g.viewer = _viewer()
             structlog.contextvars.bind_contextvars(user=g.viewer.user_id)
 

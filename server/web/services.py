@@ -11,11 +11,13 @@ from redis.exceptions import RedisError
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.runs.conversions import Conversions
 from seamark.server.runs.log_reader import LogReader
 from seamark.server.settings import Settings
 from seamark.server.streams.hub import Hub
+from seamark.server.web.readiness import Readiness
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +33,14 @@ class Services:
     conversions: Conversions
     logs: LogReader
     meters: SharedMeters
+    outage: Outage  # of the database, as requests see it
+    readiness: Readiness
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
         """Create all services; none connects before its first use."""
         database, redis = Database(settings.database_url), broker.connect(settings)
+        outage = Outage("database")
         return cls(
             settings=settings,
             database=database,
@@ -46,6 +51,8 @@ class Services:
             conversions=Conversions(),
             logs=LogReader(),
             meters=SharedMeters(redis),
+            outage=outage,
+            readiness=Readiness(settings, database, redis, outage),
         )
 
     def wake_worker(self) -> None:

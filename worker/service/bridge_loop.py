@@ -25,6 +25,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import bridge_sessions, broker
 from seamark.server.messaging.bridge_sessions import Keys
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.queue import Claim
 from seamark.server.settings import Settings
@@ -59,6 +60,7 @@ class BridgeLoop:
             isolation=IsolationLevel.NONE,
             shutting_down=stopping.is_set,
         )
+        self._outage = Outage("sessions", worker=lane)
         self._recovered = False
 
     def serve(self) -> None:
@@ -70,8 +72,9 @@ class BridgeLoop:
                 if program is not None:
                     self._carry_out(program)
                     self._meters.add()
+                self._outage.over()
             except (RedisError, SQLAlchemyError) as error:
-                _log.warning("no_sessions", worker=self._name, why=str(error))
+                self._outage.failed(error)
                 self._stopping.wait(POLL_S)
         self._context.simulator.stop()
 

@@ -18,9 +18,10 @@ from sqlalchemy.exc import SQLAlchemyError
 from seamark.server import log, meters, storage
 from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckClaim
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.runs.files import StorageFailed
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.check import SEED, CheckRecorder
@@ -62,6 +63,7 @@ class CheckLoop:
         self._database = Database(settings.database_url)
         self._redis: Redis = broker.connect(settings)
         self._meters = SharedMeters(self._redis)
+        self._outage = Outage("database", worker=lane)
         self._recovered = False
         self._renew_at = 0.0  # monotonic
 
@@ -72,6 +74,9 @@ class CheckLoop:
                 self._recover()
                 while self._check_next():
                     self._meters.add()
+                self._outage.over()
+            except DATABASE_AWAY as error:
+                self._outage.failed(error)
             except SQLAlchemyError:
                 _log.exception("checks_failed")
             self._wait()

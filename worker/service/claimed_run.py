@@ -8,6 +8,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from structlog.contextvars import bound_contextvars
 
 from seamark.server import meters, storage
+from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.runs import queue, results
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.files import StorageFailed
@@ -19,7 +20,7 @@ from seamark.server.settings import Settings
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.live_publisher import LivePublisher
-from seamark.worker.service.run_driver import DATABASE_AWAY, LeaseEnded, RunContext, RunDriver
+from seamark.worker.service.run_driver import LeaseEnded, RunContext, RunDriver
 from seamark.worker.service.run_upload import ProgramGone
 from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import BoxBroken, SimulatorBroken

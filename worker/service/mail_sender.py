@@ -12,12 +12,13 @@ import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server import log
-from seamark.server.database import worker_role
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.mail import sending, smtp
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.settings import Settings
+from seamark.worker.service import rights
 from seamark.worker.service.shutdown import follow_worker
 
 POLL_S = 2.0  # [s] between two looks into the outbox
@@ -30,17 +31,20 @@ def main(parent: str) -> None:
     settings = Settings.load()
     log.configure(settings.log_level, settings.log_format)
     database, meters = Database(settings.database_url), SharedMeters(broker.connect(settings))
-    with database.engine.connect() as connection:
-        if worker_role.is_restricted(connection):
-            _log.error("no_mail_sent", why="the database role of this worker reads no addresses")
-            stopping.wait()
-            return
+    if rights.are_restricted(database, stopping):
+        _log.error("no_mail_sent", why="the database role of this worker reads no addresses")
+        stopping.wait()
+        return
+    outage = Outage("database", process="mail")
     deliver = partial(smtp.deliver, settings)
     while not stopping.wait(POLL_S):
         try:
             sending.prepare(database)
             while not stopping.is_set() and sending.send_next(database, settings, deliver):
                 meters.add()
+            outage.over()
+        except DATABASE_AWAY as error:
+            outage.failed(error)
         except SQLAlchemyError:
             _log.exception("mail_not_sent")
         meters.add()

@@ -9,7 +9,7 @@ Of many workers three are on duty (`Duty`); the others look only whether they ar
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import structlog
 from celery import Celery
@@ -17,10 +17,10 @@ from redis import Redis
 
 from seamark.server import audit, log, meters, storage
 from seamark.server.checks import queue
-from seamark.server.database import worker_role
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.programs import store
 from seamark.server.runs import account_deletion, best_runs, seeds, verifications
 from seamark.server.runs import queue as run_queue
@@ -28,6 +28,7 @@ from seamark.server.runs.disk_usage import measure_if_old
 from seamark.server.runs.retention import Sweep, trim
 from seamark.server.runs.retention_pass import RetentionPass
 from seamark.server.settings import Settings
+from seamark.worker.service import rights
 from seamark.worker.service.duty import Duty
 from seamark.worker.service.lease_watch import LeaseWatch
 from seamark.worker.service.recovery import announce
@@ -54,10 +55,12 @@ class PeriodicTask:
     period_s: float
     action: Callable[[], None]
     due_at: float = 0.0  # monotonic
+    outage: Outage = field(init=False)
 
     def __post_init__(self) -> None:
         """Schedule the first time."""
         self.postpone()
+        self.outage = Outage("database", task=self.name)
         meters.MAINTENANCE_FAILURES.labels(self.name)
 
     @property
@@ -90,9 +93,13 @@ def run_due(tasks: Sequence[PeriodicTask], *, on_duty: Callable[[], bool]) -> bo
         try:
             with meters.MAINTENANCE_SECONDS.labels(task.name).time():
                 task.action()
-        except Exception:
+            task.outage.over()
+        except Exception as error:
             meters.MAINTENANCE_FAILURES.labels(task.name).inc()
-            _log.exception("maintenance_failed", task=task.name)
+            if isinstance(error, DATABASE_AWAY):
+                task.outage.failed(error)
+            else:
+                _log.exception("maintenance_failed", task=task.name)
     return True
 
 
@@ -221,8 +228,7 @@ def main(parent: str) -> None:
         PeriodicTask("retention_pass", PASS_EVERY_S, RetentionPass(database, settings).step),
         PeriodicTask("measure_disk", MEASURE_EVERY_S, lambda: measure_if_old(database, settings)),
     ]
-    with database.engine.connect() as connection:
-        restricted = worker_role.is_restricted(connection)
+    restricted = rights.are_restricted(database, stopping)
     kept_s = 3 * recovery_s
     # Each kind has holders of its own: those of the common tasks may all be restricted.
     duties = [

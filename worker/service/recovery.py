@@ -6,10 +6,12 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from seamark.server.messaging import broker, live_events
+from seamark.server.outages import Outage
 from seamark.server.runs.queue import Recovery
 from seamark.server.runs.states import RunState
 
 _log = structlog.get_logger()
+_outage = Outage("broker", of="recovery")
 
 
 def announce(app: Celery, redis: "Redis", recovery: Recovery) -> None:
@@ -21,8 +23,9 @@ def announce(app: Celery, redis: "Redis", recovery: Recovery) -> None:
             live_events.publish_state(redis, run_id, RunState.FAILED)
         tickets = broker.top_up(app, redis, recovery.tickets)
     except RedisError as error:  # the queue is in the database: a broker that is away is no failure
-        _log.warning("recovery_without_broker", error=str(error))
+        _outage.failed(error)
         return
+    _outage.over()
     if recovery.requeued or recovery.failed or tickets:
         _log.info(
             "runs_recovered", requeued=recovery.requeued, failed=recovery.failed, tickets=tickets

@@ -9,14 +9,13 @@ from typing import TypeVar
 
 import structlog
 from redis import Redis
-from sqlalchemy.exc import InterfaceError, OperationalError
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server import meters, objects, storage
 from seamark.server.database import data_folder
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.programs import parameters
 from seamark.server.runs import first_results, results
 from seamark.server.runs import queue as run_queue
@@ -42,7 +41,6 @@ STALL_S = 90.0  # [s] without a message from a simulation that has started
 STORE_RETRY_S = 1.0
 STORE_AWAY_S = 600.0  # [s] that the object storage may be away at a stretch
 STOP_UPLOAD_S = 2.0  # that a run which has ended otherwise waits for a part that is being stored
-DATABASE_AWAY = (OperationalError, InterfaceError)
 _log = structlog.get_logger()
 _Result = TypeVar("_Result")
 

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import structlog
 from celery import Celery
-from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server import storage, workers
 from seamark.server.database import data_folder
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.outages import Outage
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.queue import Claim
 from seamark.server.settings import Settings
@@ -25,6 +25,7 @@ from seamark.worker.zygote.client import Simulator, SimulatorBroken
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
 OUTDATED = "the service was upgraded; this worker would compute other results: restart it"
 PASS_ON_S = 0.5  # [s] for which a drained worker keeps a ticket
+AWAY_S = 1.0  # [s] for which a process rests when the database was away
 WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
 WARM_MAX_S = 600.0  # [s] for which a process that starts keeps a ticket; the others send more
 _log = structlog.get_logger()
@@ -55,10 +56,22 @@ class RunLoop:
         self._shutting_down = shutting_down
         self._failures = 0  # of the platform, in a row
         self._name = f"{host.name}/{index}"
+        self._outage = Outage("database", worker=self._name)
         self._recover()
 
     def run_next(self) -> None:
-        """Claim and evaluate one run, then make sure that the next one has a ticket."""
+        """Claim and evaluate one run, then make sure that the next one has a ticket.
+
+        Without the database the ticket is lost; recovery sends it again.
+        """
+        try:
+            self._run_next()
+            self._outage.over()
+        except DATABASE_AWAY as error:
+            self._outage.failed(error)
+            self._wait(AWAY_S)
+
+    def _run_next(self) -> None:
         if not self._wait_warm():
             return
         if why := storage.worker_refusal(self._settings):  # recovery sends tickets again
@@ -100,8 +113,8 @@ class RunLoop:
         try:
             with self._database.writing() as session:
                 recovery = run_queue.recover_from(session, self._name, self._settings)
-        except SQLAlchemyError:  # its lease will end
-            _log.exception("recovery_failed", worker=self._name)
+        except DATABASE_AWAY as error:  # its lease will end
+            self._outage.failed(error)
             return
         announce(self._app, self._redis, recovery)
 

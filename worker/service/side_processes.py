@@ -15,6 +15,8 @@ from datetime import UTC, datetime
 
 import structlog
 
+from seamark.server.database.engine import DATABASE_AWAY
+from seamark.server.outages import Outage
 from seamark.server.workers import RUNNING
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
 
@@ -75,12 +77,10 @@ class SideProcesses:
         self._thread.join()
 
     def _serve(self) -> None:
+        outage = Outage("database", process="worker")
         while True:
             with _no_fork:
-                try:
-                    self._watch()
-                except Exception:
-                    _log.exception("side_processes_failed")
+                self._watch_on(outage)
             if self._stopping.wait(POLL_S):
                 break
         for process in self._processes:
@@ -92,7 +92,18 @@ class SideProcesses:
         for process in self._processes:
             process.wait()
 
-    def _watch(self) -> None:
+    def _watch_on(self, outage: Outage) -> None:
+        """Keep the processes running, whatever becomes of the report."""
+        try:
+            if self._watch():
+                outage.over()
+        except DATABASE_AWAY as error:
+            outage.failed(error)
+        except Exception:
+            _log.exception("side_processes_failed")
+
+    def _watch(self) -> bool:
+        """Keep the processes running; return whether their states were reported."""
         for process in self._processes:
             process.keep_running()
         states = {process.name: process.state for process in self._processes}
@@ -100,6 +111,8 @@ class SideProcesses:
             # Before the call: one that fails is not repeated at once.
             self._report_at, self._reported = time.monotonic() + self._report_s, states
             self._report(states)
+            return True
+        return False
 
 
 class _SideProcess:

@@ -319,6 +319,7 @@ def test_the_service_is_alive_but_not_ready_without_a_worker(site: Site) -> None
         "broker": "ok",
         "storage": "ok",
         "worker": "no worker is alive",
+        "queue": "ok",
     }
     assert 'seamark_runs{state="queued"} 0.0' in site.client().get("/metrics").text
 

@@ -54,6 +54,27 @@ class _Large:
             self.closed.release()
 
 
+def test_health_is_answered_while_all_threads_wait() -> None:
+    over, waiting = threading.Event(), threading.Semaphore(0)
+
+    def answer(environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
+        if environ["PATH_INFO"] == "/":
+            waiting.release()
+            over.wait(DEADLINE_S)
+        start_response("200 OK", [("Content-Type", "text/plain")])
+        return [b"ok"]
+
+    with serving(answer) as connect, ExitStack() as stack:
+        stack.callback(over.set)
+        for _ in range(MANY):
+            stack.enter_context(connect(QUICK))
+        for _ in range(THREADS):
+            assert waiting.acquire(timeout=DEADLINE_S)
+        _, body = answer_of(connect(b"GET /readyz HTTP/1.1" + END))
+
+    assert body == b"ok"
+
+
 def test_clients_that_do_not_read_hold_no_thread_and_are_forgotten_when_they_go() -> None:
     large = _Large()
     with serving(large) as connect:
