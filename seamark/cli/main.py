@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from types import TracebackType
 
@@ -37,6 +38,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),
 }
+PRIVATE_UMASK = 0o077
 OF_CLIENT = frozenset(("submit", "compare", "leaderboard", "export", "completion"))
 SERVICE = frozenset(  # need the extra `server`
     ("up", "user", "token", "mail", "audit", "backup", "restore", "db", "web", "worker")
@@ -118,15 +120,19 @@ def _refusing(name: str) -> click.Command:
     "failed. `seamark COMMAND --help` shows examples.",
 )
 @click.version_option(package_name="seamark-client", prog_name="seamark")
-def cli() -> None:
+@click.pass_context
+def cli(context: click.Context) -> None:
     """Seamark, the online benchmark for underwater intervention robots."""
+    if context.invoked_subcommand in SERVICE:
+        # They write keys, hashes of passwords, and what participants show nobody.
+        before = os.umask(PRIVATE_UMASK)
+        context.call_on_close(lambda: os.umask(before))
 
 
 def _platform_failed(
     error_type: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
     """Report a bug of Seamark with exit code 3: 1 would blame the participant's program."""
-    import os
     import traceback
 
     traceback.print_exception(error_type, error, trace)

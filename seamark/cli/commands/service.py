@@ -103,4 +103,7 @@ def _settings(data: Path | None, **chosen: Any) -> Settings:
             "SEAMARK_BROKER_URL is not set. `seamark up` brings a broker of its own; single "
             "processes need one that runs, for example redis://localhost:6379/0."
         )
+    from seamark.server.private_files import tighten
+
+    tighten(settings)
     return settings

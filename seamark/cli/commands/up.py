@@ -53,9 +53,11 @@ def up(
     from seamark.cli.extras import refuse_packages_of_the_user
     from seamark.drafts import replace_file
     from seamark.embedded.service import Embedded, address_of, free_port
+    from seamark.server.private_files import tighten
 
     refuse_packages_of_the_user()
     settings = settings_of(data, port=port, host=host, workers=workers)
+    tighten(settings)
     if settings.port == 0:
         settings = settings.model_copy(update={"port": free_port(settings.host)})
     notes = _silent if as_json else click.echo
