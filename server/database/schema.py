@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 
 from alembic import command
@@ -11,11 +12,13 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine
 
 from seamark import migrations
+from seamark.failures import PlatformFailed
 from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.class_tables import Classroom
+from seamark.server.database.connecting import connected
 from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress
@@ -42,15 +45,22 @@ class SchemaTooOld(Exception):
     """The database has an earlier schema. The text names the command to run."""
 
 
+class SchemaTooNew(PlatformFailed):
+    """The database is of a newer version of Seamark. The text says what to do."""
+
+
 def upgrade(settings: Settings) -> None:
     """Create or migrate the tables; safe to call at every start, also by several processes.
 
     Raises
     ------
+    DatabaseAway, SchemaTooNew
+        The database cannot be opened, or is of a newer version.
     WrongDataFolder
         The database has another data folder.
     """
     with _locked(settings) as connection:
+        _refuse_newer(revision_of(connection))
         command.upgrade(config(connection), "head")
         data_folder.adopt(connection, settings)
 
@@ -62,8 +72,11 @@ def downgrade(settings: Settings, revision: str) -> None:
     ------
     CommandError
         There is no such revision.
+    DatabaseAway, SchemaTooNew
+        The database cannot be opened, or is of a newer version.
     """
     with _locked(settings) as connection:
+        _refuse_newer(revision_of(connection))
         command.downgrade(config(connection), revision)
 
 
@@ -89,7 +102,7 @@ def _locked(settings: Settings) -> Iterator[Connection]:
     """
     database = Database(settings.database_url, busy_s=UPGRADE_S, idle_s=0.0)
     try:
-        with database.engine.begin() as connection:
+        with connected(database.engine) as connection, connection.begin():
             advisory_locks.acquire(connection, AdvisoryLock.SCHEMA)
             yield connection
     finally:
@@ -106,7 +119,9 @@ def check_all(settings: Settings, *, computes: bool = False) -> None:
 
     Raises
     ------
-    SchemaTooOld, WrongDataFolder
+    DatabaseAway
+        The database cannot be opened.
+    SchemaTooOld, SchemaTooNew, WrongDataFolder
         The database has another schema than this version, or is of another service.
     """
     database = Database(settings.database_url)
@@ -121,15 +136,31 @@ def check_all(settings: Settings, *, computes: bool = False) -> None:
 
 
 def check(engine: Engine) -> None:
-    """Raise SchemaTooOld unless the database has exactly the schema of this version."""
-    with engine.connect() as connection:
+    """Raise SchemaTooOld or SchemaTooNew unless the database has the schema of this version.
+
+    Raises DatabaseAway if it cannot be opened.
+    """
+    with connected(engine) as connection:
         current = revision_of(connection)
+    _refuse_newer(current)
     needed = newest_revision()
     if current != needed:
         raise SchemaTooOld(
             f"the database is at schema {current}, this version needs {needed}: "
             "run `seamark db upgrade`"
         )
+
+
+def _refuse_newer(revision: str | None) -> None:
+    if revision is None or knows(revision):
+        return
+    newest = newest_revision()
+    raise SchemaTooNew(
+        f"The database has the schema {revision}, of a newer version of Seamark; this is "
+        f"{version('seamark')}, which knows schemas up to {newest}. Install the newer version, or "
+        "go back with it, when the service is stopped and backed up: "
+        f"`seamark db downgrade {newest}`."
+    )
 
 
 def revision_of(connection: Connection) -> str | None:

@@ -110,6 +110,7 @@ def _database(settings: Settings) -> Iterable[Check]:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.server.database import schema
+    from seamark.server.database.connecting import DatabaseAway
     from seamark.server.database.engine import Database
 
     url = make_url(settings.database_url)
@@ -126,6 +127,8 @@ def _database(settings: Settings) -> Iterable[Check]:
             yield _limits(database)
     except schema.SchemaTooOld as old:
         yield Check("database", "warning", str(old), "`seamark db upgrade` or `seamark up`")
+    except (DatabaseAway, schema.SchemaTooNew) as failed:
+        yield Check("database", "bad", str(failed))
     except SQLAlchemyError as error:
         remedy = "Check SEAMARK_DATABASE_URL and that the server is running."
         yield Check("database", "bad", f"{shown}: {type(error).__name__}", remedy)
