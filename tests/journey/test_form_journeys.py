@@ -197,3 +197,20 @@ def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(visitor: Visitor) -> 
     assert seen == [True] * 4
     assert page.evaluate("document.documentElement.scrollWidth") == 375
     assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def test_a_setting_that_was_changed_for_another_controller_does_not_keep_a_run_from_ranking(
+    visitor: Visitor,
+) -> None:
+    page = visitor.page
+    visitor.sign_up("undecided")
+    visitor.open("/submit/currents-v2")
+    customise(page, "Position controller")
+    page.locator("#kp").fill("0.9")
+    page.locator("label", has_text="LQG").click()
+    page.locator("label", has_text="Ranked").first.click()
+
+    page.get_by_role("button", name="Start ranked run").click()
+    page.wait_for_url("**/runs/*")
+
+    assert (visitor.errors, visitor.violations()) == ([], [])
