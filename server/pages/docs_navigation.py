@@ -24,7 +24,9 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),
         *("trackers-table.md", "visibility.md", "validation.md"),
     ),
-    "For teachers and operators": ("classes.md", "hosting.md", "scaling.md", "decisions.md"),
+    "For teachers and operators": (
+        *("classes.md", "hosting.md", "security.md", "scaling.md", "decisions.md"),
+    ),
 }
 
 
