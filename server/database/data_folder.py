@@ -77,15 +77,27 @@ def _compute_alike(connection: Connection, settings: Settings) -> None:
 
 def check_worker(connection: Connection, settings: Settings) -> None:
     """Raise WrongDataFolder unless a worker with these settings computes what all others do."""
-    proof, code = connection.execute(select(DataFolder.seed_proof, DataFolder.result_code)).one()
-    if settings.derives_seeds and proof not in (None, _seed_proof(settings)):
-        raise WrongDataFolder(_OTHER_SEEDS)
-    if code not in (None, result_code()):
-        raise WrongDataFolder(
-            "This worker would not compute the results of this service: it has "
-            f"{difference(result_code(), code)}. Install the version that the other machines have, "
-            "or run `seamark db upgrade` with this one, after which older workers get no more runs"
-        )
+    if why := other_seeds(connection, settings) or other_code(connection):
+        raise WrongDataFolder(why)
+
+
+def other_seeds(connection: Connection, settings: Settings) -> str | None:
+    """Return why ranked runs would get other seeds here than elsewhere; None if they do not."""
+    proof = connection.scalar(select(DataFolder.seed_proof))
+    is_other = settings.derives_seeds and proof not in (None, _seed_proof(settings))
+    return _OTHER_SEEDS if is_other else None
+
+
+def other_code(connection: Connection) -> str | None:
+    """Return why a worker would compute other results here than elsewhere; None if it does not."""
+    code = connection.scalar(select(CURRENT_CODE))
+    if code in (None, result_code()):
+        return None
+    return (
+        "This worker would not compute the results of this service: it has "
+        f"{difference(result_code(), code)}. Install the version that the other machines have, "
+        "or run `seamark db upgrade` with this one, after which older workers get no more runs"
+    )
 
 
 def computes_alike(session: Session) -> bool:

@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Literal
 from urllib.parse import urlsplit
 
-Behaviour = Literal["works", "answers errors", "hangs", "hangs in programs"]
+Behaviour = Literal["works", "answers errors", "refuses keys", "hangs", "hangs in programs"]
 HELD_BACK = frozenset({"connection", "transfer-encoding", "content-length", "date", "server"})
 
 
@@ -73,6 +73,8 @@ class _Handler(BaseHTTPRequestHandler):
                 self.close_connection = True
             case "answers errors":
                 self._answer(500, {}, b"<Error><Code>InternalError</Code></Error>")
+            case "refuses keys":
+                self._answer(403, {}, b"<Error><Code>InvalidAccessKeyId</Code></Error>")
             case "works":
                 upstream = HTTPConnection(self.target, timeout=60.0)
                 upstream.request(self.command, self.path, body, dict(self.headers.items()))

@@ -6,7 +6,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,25 +14,15 @@ import click
 
 from seamark.cli.console import exit_with, print_json
 from seamark.cli.extras import SERVER, install_line, missing
+from seamark.cli.findings import Check
 from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.server.database.engine import Database
     from seamark.server.settings import Settings
 
 DISK_LOW_GIB = 2.0
 PACKAGES = ("numpy", "numba", "cv2", "scipy", "orjson", "pydantic", "httpx", "rich")
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """A result: ok, warning (something works less well) or bad (something does not work)."""
-
-    name: str
-    state: str  # "ok", "warning", "bad"
-    says: str
-    remedy: str = ""
 
 
 @click.command()
@@ -41,14 +31,18 @@ class Check:
 def doctor(data: Path | None, as_json: bool) -> None:
     """Check this machine and say how to fix what is missing.
 
-    Exit code 0: runs and uploads work; 3: something does not.
+    Of a service it looks at database, broker, storage, keys and free space, for some seconds, and
+    writes nothing.
+
+    Exit code 0: runs and uploads work, though what is a warning may be missing, such as a language;
+    3: something that they need does not work.
 
     \b
     Examples:
       seamark doctor
       seamark doctor --json
     """
-    settings = None if missing(SERVER) else settings_of(data)
+    settings = None if missing(SERVER) else settings_of(data, looking=True)
     checks = [check for probe in PROBES for check in probe(settings)]
     bad = any(check.state == "bad" for check in checks)
     if as_json:
@@ -101,84 +95,9 @@ def _service(settings: Settings | None) -> Iterable[Check]:
         says = f"not installed; only a service needs more: {install_line('server')}"
         yield Check("server", "ok", says)
         return
-    yield from _database(settings)
-    yield from _broker(settings)
+    from seamark.cli.service_checks import of_service
 
-
-def _database(settings: Settings) -> Iterable[Check]:
-    from sqlalchemy import make_url
-    from sqlalchemy.exc import SQLAlchemyError
-
-    from seamark.server.database import schema
-    from seamark.server.database.connecting import DatabaseAway
-    from seamark.server.database.engine import Database
-
-    url = make_url(settings.database_url)
-    shown = url.render_as_string(hide_password=True)
-    file = Path(url.database) if url.drivername.startswith("sqlite") and url.database else None
-    if file is not None and not file.exists():
-        yield Check("database", "ok", f"{shown} (created at the first start)")
-        return
-    database = Database(settings.database_url)
-    try:
-        schema.check(database.engine)
-        yield Check("database", "ok", shown)
-        if database.engine.dialect.name == "postgresql":
-            yield _limits(database)
-    except schema.SchemaTooOld as old:
-        yield Check("database", "warning", str(old), "`seamark db upgrade` or `seamark up`")
-    except (DatabaseAway, schema.SchemaTooNew) as failed:
-        yield Check("database", "bad", str(failed))
-    except SQLAlchemyError as error:
-        remedy = "Check SEAMARK_DATABASE_URL and that the server is running."
-        yield Check("database", "bad", f"{shown}: {type(error).__name__}", remedy)
-    finally:
-        database.close()
-
-
-def _limits(database: Database) -> Check:
-    """Say whether PostgreSQL ends the transactions of machines that vanish."""
-    from seamark.server.database import session_limits
-
-    name = "limits of sessions"
-    with database.engine.connect() as connection:
-        found = session_limits.find(connection)
-    if not found.missing:
-        return Check(name, "ok", "a machine that vanishes does not hold up the others")
-    says = f"not in force: {', '.join(found.missing)}"
-    if found.pooled:
-        says = (
-            f"a pooler stands before PostgreSQL, and its sessions lack {', '.join(found.missing)}"
-        )
-    remedy = (
-        "A machine that vanishes may stop the queue for hours. Set them for the role of the "
-        'service, see "A pooler before PostgreSQL" in docs/hosting.md.'
-    )
-    return Check(name, "warning", says, remedy)
-
-
-def _broker(settings: Settings) -> Iterable[Check]:
-    from redis.exceptions import RedisError
-
-    from seamark.embedded.broker import find_server
-    from seamark.failures import PlatformFailed
-    from seamark.server.messaging import broker
-
-    if not settings.broker_url:
-        try:
-            yield Check("broker", "ok", f"`seamark up` starts {find_server().name}")
-        except PlatformFailed as missing:
-            yield Check("broker", "bad", "none", str(missing))
-        return
-    client = broker.connect(settings)
-    try:
-        client.ping()
-        yield Check("broker", "ok", "answers")
-    except RedisError as error:
-        remedy = "Check SEAMARK_BROKER_URL and that the server is running."
-        yield Check("broker", "bad", f"does not answer: {error}", remedy)
-    finally:
-        client.close()
+    yield from of_service(settings)
 
 
 def _sandbox(settings: Settings | None) -> Iterable[Check]:
@@ -227,14 +146,16 @@ def _machine(settings: Settings | None) -> Iterable[Check]:
     cores = len(os.sched_getaffinity(0))
     parallel = f"{settings.workers} runs" if settings else f"{cores} trials"
     yield Check("cores", "ok", f"{cores}, so {parallel} at the same time")
-    folder = settings.data if settings else Path.cwd()
+    if settings is not None:
+        return  # a service needs the room that it is set to, see `service_checks`
+    folder = Path.cwd()
     free = shutil.disk_usage(folder).free / 2**30
     low = free < DISK_LOW_GIB
     yield Check(
         "disk",
         "warning" if low else "ok",
         f"{free:.1f} GiB free in {folder}",
-        "A run of 600 s takes about 5 MB. Choose another folder with --data.",
+        "A run of 600 s takes about 5 MB. Work in another folder.",
     )
 
 
