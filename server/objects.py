@@ -80,9 +80,12 @@ class _Probe:
         return time.monotonic() - self._answered_at
 
     def _ask(self) -> None:
-        answer = self._asked()
-        with self._lock:
-            self._answer, self._answered_at, self._thread = answer, time.monotonic(), None
+        answer = False
+        try:
+            answer = self._asked()
+        finally:  # whatever it was: the next one looks again
+            with self._lock:
+                self._answer, self._answered_at, self._thread = answer, time.monotonic(), None
 
 
 class Objects:

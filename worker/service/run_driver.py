@@ -87,7 +87,7 @@ class RunDriver:
             truncate=None if self._upload is None else self._upload.truncate_rows,
             shown_trials=None if protocol is None else protocol.reference_trials,
         )
-        self._program: Path | None = None
+        self._program_bytes = 0
         self._poll_at = self._heartbeat_at = self._disk_at = 0.0
         self._away = False  # the database
 
@@ -202,8 +202,7 @@ class RunDriver:
             self._files.remove()
 
     def _data_bytes(self) -> int:
-        program = 0 if self._program is None else self._program.stat().st_size
-        return self._files.size() + program
+        return self._files.size() + self._program_bytes
 
     def make_room(self) -> None:
         """Remove what this attempt has recorded from this machine, perhaps for the database."""
@@ -262,18 +261,20 @@ class RunDriver:
 
     def _job(self) -> Job:
         claim, settings = self._claim, self._context.settings
+        program = None
         if claim.program_sha256 is not None:
             away_s = 0.0 if self._upload is None else STORE_AWAY_S
-            self._program = fetched_program(
+            program = fetched_program(
                 settings, claim.program_sha256, self._watch_claim, within_s=away_s
             )
+            self._program_bytes = program.stat().st_size
         return Job(
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=_seeds(claim),
             ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
-            program=self._program,
+            program=program,
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
             bridge=self._context.bridge,

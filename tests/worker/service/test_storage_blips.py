@@ -21,7 +21,7 @@ from seamark.server.runs import stored_files
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
-from seamark.sim.recording.telemetry import digest
+from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service import run_driver
@@ -148,7 +148,7 @@ def test_a_run_keeps_its_lease_while_the_storage_is_away(
     ended = backend.show(claim.run_id)
     assert (went_well, ended.state, ended.attempt) == ([True], RunState.CANCELLED, 1)
     rows = stored_files.of_run(backend.settings, ended).rows()
-    assert rows[-1][1] > 0.0
+    assert rows[-1][INDEX["t"]] > 0.0
 
 
 @pytest.mark.parametrize("behaviour", DOWN)
