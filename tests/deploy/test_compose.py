@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import check_jsonschema
-import click
 import pytest
 from jsonschema import Draft7Validator
 
 from seamark.cli.main import cli
 from seamark.server.settings import Settings
 from tests.services import compose
+from tests.services.commands import parse
 
 FILES = ("compose.yaml", "compose.machines.yaml", "compose.worker.yaml")
 STORES = ("redis", "postgres", "objects")
@@ -76,18 +76,7 @@ def test_the_command_of_a_service_exists(name: str, file: str) -> None:
 
     for program, *words in commands:
         assert program == "seamark"
-        _parse(cli, words)
-
-
-def _parse(command: click.Command, words: list[str]) -> None:
-    """Parse a command line as the program does; nothing is run."""
-    context = click.Context(command)
-    if isinstance(command, click.Group):
-        below = command.get_command(context, words[0])
-        assert below is not None, words
-        _parse(below, words[1:])
-    else:
-        command.parse_args(context, list(words))
+        parse(cli, words)
 
 
 @pytest.mark.parametrize(("name", "file"), _CASES)
