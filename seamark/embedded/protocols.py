@@ -168,8 +168,8 @@ class Protocol(_SmallReads, H11Protocol):  # type: ignore[misc]
         headers = [(b"content-type", b"application/problem+json"), (b"connection", b"close")]
         headers += [(b"allow", b"GET")] if status == HTTPStatus.METHOD_NOT_ALLOWED else []
         answer = h11.Response(status_code=status, headers=headers, reason=STATUS_PHRASES[status])
-        for event in (answer, h11.Data(data=json.dumps(document).encode()), h11.EndOfMessage()):
-            self.transport.write(self.conn.send(event) or b"")
+        parts = (answer, h11.Data(data=json.dumps(document).encode()), h11.EndOfMessage())
+        self.transport.write(b"".join(self.conn.send(part) or b"" for part in parts))
         self.transport.write_eof()
 
     def shutdown(self) -> None:

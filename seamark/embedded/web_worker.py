@@ -19,7 +19,7 @@ from seamark.embedded.protocols import WEB_SOCKETS, Protocol, WebSocketProtocol
 from seamark.worker.ipc.process_control import die_with_parent
 
 BACKLOG = 2048  # connections that the kernel completes before they are accepted
-ACCEPTED_AT_ONCE = 64  # then those that are there have their turn
+ACCEPTED_AT_ONCE = 8  # a request takes several turns of the loop, and waits for these in each
 
 
 class WebServer(Server):
