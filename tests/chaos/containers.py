@@ -204,10 +204,19 @@ class Container:
 
     def execute(self, words: Sequence[str]) -> "subprocess.CompletedProcess[str]":
         """Run a command in the container, as `docker compose exec` does."""
+        return subprocess.run(self._inside(words), capture_output=True, text=True, check=False)
+
+    def begin(self, words: Sequence[str]) -> "subprocess.Popen[str]":
+        """Start a command in the container whose output is read."""
+        return subprocess.Popen(self._inside(words), stdout=subprocess.PIPE, text=True)
+
+    def _inside(self, words: Sequence[str]) -> list[str]:
         inside = ["nsenter", f"--target={self.pid}", "--mount", "--pid", "--net", "--uts", "--ipc"]
-        return subprocess.run(
-            [*inside, *self._as_user(), *words], capture_output=True, text=True, check=False
-        )
+        return [*inside, *self._as_user(), *words]
+
+    def connect(self, *, up: bool) -> None:
+        """Connect the container to its machine, or cut it off without a word to anybody."""
+        ip("link", "set", _outside(self.address), "up" if up else "down")
 
     def is_healthy(self) -> bool:
         """Carry out the health check of the Compose file."""
@@ -248,10 +257,15 @@ def ip(*words: str) -> None:
     subprocess.run(["ip", *words], check=True)
 
 
+def _outside(address: str) -> str:
+    """Return the name of the interface that leads to a container."""
+    return f"v{address.replace('.', '')}"
+
+
 def _connect(name: str, machine: Machine, address: str) -> None:
     """Make the network of a container: one interface to the bridge of its machine."""
     ip("netns", "add", name)
-    outside = f"v{address.replace('.', '')}"
+    outside = _outside(address)
     ip("link", "add", outside, "type", "veth", "peer", "name", "eth0", "netns", name)
     ip("link", "set", outside, "master", machine.name, "up")
     ip("-n", name, "addr", "add", f"{address}/24", "dev", "eth0")

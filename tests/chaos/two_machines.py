@@ -37,6 +37,7 @@ from tests.services.embedded import cancel_baselines
 from tests.services.faulty_s3 import Behaviour
 
 REFUSED_S = 120.0
+STANDSTILL_S, POLL_S = 60.0, 0.25
 PAGE_S = 15.0  # one request to a storage that hangs, and what waits for it
 STEPS = ("migrate", "worker-rights", "reference-entries")
 SEED = 3
@@ -166,6 +167,34 @@ def connected_programs(service: Service) -> None:
     service.session.saw(f"connected programs: one on {' and one on '.join(machines)}", both)
     same = {digest for _, digest in found} == {wanted}
     service.session.saw("connected programs: the digest of a local run", same)
+
+
+def vanished_machine(service: Service) -> None:
+    """A machine that vanishes in the middle of a claim stops neither the queue nor an owner."""
+    gone = service.session.running["worker-b"]
+    runs = service.submit(6, SHORT)
+    others = [Client(client.server, token=service.tokens[1]) for client in service.clients]
+    order: Any = {"controller": "pi", "config": SHORT, "seed": SEED}
+    runs += [other.submit("currents-v1", **order) for other in others * 3]
+    words = ["env", f"PYTHONPATH={compose.ROOT}", sys.executable]
+    claim = gone.begin([*words, "-m", "tests.chaos.vanishing_claim"])
+    assert claim.stdout is not None
+    held = int(claim.stdout.readline())
+    gone.connect(up=False)
+    longest_s, ended_at, left = 0.0, time.monotonic(), set(runs)
+    while left and longest_s < REFUSED_S:
+        ended = {run for run in left if run.refresh().state not in ("queued", "running")}
+        longest_s = max(longest_s, time.monotonic() - ended_at)
+        if ended:
+            ended_at, left = time.monotonic(), left - ended
+        time.sleep(POLL_S)
+    claim.kill()
+    gone.connect(up=True)
+    session, states = service.session, {run.state for run in runs}
+    what = f"worker-b vanished while it claimed run {held}"
+    session.saw(f"{what}: {len(runs)} runs of two owners ended", states == {"succeeded"})
+    session.saw(f"{what}: longest standstill {longest_s:.0f} s", longest_s < STANDSTILL_S)
+    wait_until(gone.is_healthy, START_S)
 
 
 def refused_workers(service: Service) -> None:
@@ -306,8 +335,8 @@ def _start_all(session: Session) -> Service:
 
 
 PARTS = (
-    *(equal_results, connected_programs, storage_away, killed_worker, refused_workers),
-    *(rolling_restart, caretaker),
+    *(equal_results, connected_programs, storage_away, killed_worker, vanished_machine),
+    *(refused_workers, rolling_restart, caretaker),
 )
 
 
