@@ -33,10 +33,16 @@ def redis_url(settings: Settings) -> str:
     return settings.broker_url.replace("redis+socket://", "unix://", 1)
 
 
-def connect(settings: Settings) -> "Redis":
-    """Return a Redis client; it connects at its first command."""
+def connect(settings: Settings, *, timeout_s: float = 10.0) -> "Redis":
+    """Return a Redis client; it connects at its first command.
+
+    Parameters
+    ----------
+    timeout_s
+        How long a command waits for a broker that does not answer.
+    """
     url = redis_url(settings)
-    options: dict[str, Any] = {"socket_timeout": 10, "health_check_interval": 25}
+    options: dict[str, Any] = {"socket_timeout": timeout_s, "health_check_interval": 25}
     if not url.startswith("unix:"):
         options["socket_keepalive"] = True  # on a Unix socket redis-py raises TypeError for it
     return Redis.from_url(url, **options)

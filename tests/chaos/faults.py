@@ -8,6 +8,7 @@ import resource
 import signal
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from numpy.random import Generator
@@ -77,6 +78,26 @@ def kill_broker(service: Installation, chance: Generator) -> None:
     service.broker.kill()
     time.sleep(chance.uniform(0.1, 5.0))
     service.broker.start()
+
+
+def pause_broker(service: Installation, chance: Generator) -> None:
+    """SIGSTOP of the broker: it accepts connections and answers nothing."""
+    assert service.broker.pid is not None
+    os.kill(service.broker.pid, signal.SIGSTOP)
+    time.sleep(chance.uniform(5.0, 20.0))
+    os.kill(service.broker.pid, signal.SIGCONT)
+
+
+def several(service: Installation, chance: Generator) -> None:
+    """A worker dies while a machine vanishes in a claim and the broker hangs."""
+    faults = (kill_worker, vanish_in_claim, pause_broker)
+    service.ready_worker(chance)
+    with ThreadPoolExecutor(len(faults)) as threads:
+        chances = chance.spawn(len(faults))
+        pairs = zip(faults, chances, strict=True)
+        begun = [threads.submit(fault, service, each) for fault, each in pairs]
+    for each in begun:
+        each.result()
 
 
 def flush_broker(service: Installation, chance: Generator) -> None:
@@ -169,10 +190,12 @@ FAULTS: Mapping[str, Fault] = {
     "web server killed": kill_web_server,
     "web server stopped": stop_web_server,
     "broker killed": kill_broker,
+    "broker paused": pause_broker,
     "broker flushed": flush_broker,
     "tickets confused": confuse_tickets,
     "worker paused past its lease": pause_worker,
     "machine vanishes in a claim": vanish_in_claim,
+    "several at once": several,
     "database restarted": restart_database,
     "storage away": take_storage_away,
     "disk full": fill_disk,

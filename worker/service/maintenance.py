@@ -7,8 +7,9 @@ Of many workers three are on duty (`Duty`); the others look only whether they ar
 """
 
 import sys
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import structlog
@@ -43,6 +44,11 @@ PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
 MEASURE_EVERY_S = 30.0
 # More than the role of a worker may do (seamark.server.database.worker_role).
 NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass", "verify_first")
+# In a thread of their own: what waits for a storage that hangs holds up no recovery.
+RECOVERS = ("recover_runs", "recover_checks")
+RECOVERY = "recovery"
+BROKER_S = 2.0  # that a recovery waits for a broker that hangs, with each command
+JOIN_S = 2.0
 NEEDS_SEED_KEY = ("fill_seeds", "verify_first")  # which workers of other machines do without
 _log = structlog.get_logger()
 
@@ -186,19 +192,80 @@ def delete_accounts(database: Database, settings: Settings) -> None:
 def by_rights(
     tasks: Sequence[PeriodicTask], *, all_rights: bool, key: bool
 ) -> dict[str, list[PeriodicTask]]:
-    """Return what a process can do, by what it needs for it: rights, the seed key, or neither.
+    """Return what a process can do: recovery, and the rest by the rights or the seed key it needs.
 
     Parameters
     ----------
     all_rights, key
         Whether this process has them.
     """
-    found: dict[str, list[PeriodicTask]] = {"": [], "all": [], "seeds": []}
+    found: dict[str, list[PeriodicTask]] = {RECOVERY: [], "": [], "all": [], "seeds": []}
     for task in tasks:
+        if task.name in RECOVERS:
+            found[RECOVERY].append(task)
+            continue
         needs_rights, needs_key = task.name in NEEDS_ALL_RIGHTS, task.name in NEEDS_SEED_KEY
         if (all_rights or not needs_rights) and (key or not needs_key):
             found["seeds" if needs_key else "all" if needs_rights else ""].append(task)
     return found
+
+
+def carry_out(
+    duties: Mapping[str, Sequence[PeriodicTask]],
+    redis: "Redis",
+    stopping: threading.Event,
+    shared: SharedMeters,
+    *,
+    kept_s: float,
+) -> None:
+    """Run tasks when they are due, until the worker shuts down.
+
+    Parameters
+    ----------
+    duties
+        Kind -> its tasks. Each kind has holders of its own: those of the common tasks may all be
+        restricted.
+    shared
+        One for the whole process: it counts everything since the last time.
+    kept_s
+        How long a duty outlasts the silence of its holder.
+    """
+    held = [(Duty(redis, kind, kept_s=kept_s), tasks) for kind, tasks in duties.items()]
+    ours = [task for tasks in duties.values() for task in tasks]
+    while not stopping.wait(next_due_in_s(ours)):
+        if any([run_due(tasks, on_duty=duty.is_mine) for duty, tasks in held]):
+            shared.add()
+    for duty, _ in held:
+        duty.give_up()
+
+
+def maintain(
+    duties: Mapping[str, Sequence[PeriodicTask]],
+    redis: "Redis",
+    impatient: "Redis",
+    stopping: threading.Event,
+    *,
+    kept_s: float,
+) -> None:
+    """Carry out recovery in a thread of its own, and the rest in this one.
+
+    Parameters
+    ----------
+    impatient
+        The broker as recovery asks it.
+    """
+    shared = SharedMeters(impatient)
+    recovery = {RECOVERY: duties[RECOVERY]}
+    rest = {kind: tasks for kind, tasks in duties.items() if kind != RECOVERY}
+    recovers = threading.Thread(
+        target=carry_out,
+        args=(recovery, impatient, stopping, shared),
+        kwargs={"kept_s": kept_s},
+        daemon=True,
+    )
+    recovers.start()
+    carry_out(rest, redis, stopping, shared, kept_s=kept_s)
+    recovers.join(JOIN_S)
 
 
 def main(parent: str) -> None:
@@ -207,9 +274,9 @@ def main(parent: str) -> None:
     settings = Settings.load()
     log.configure(settings.log_level, settings.log_format)
     app, redis = broker.celery_app(settings), broker.connect(settings)
-    shared = SharedMeters(redis)
+    impatient = broker.connect(settings, timeout_s=BROKER_S)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
-    recoverer = Recoverer(app, database, redis, settings)
+    recoverer = Recoverer(app, database, impatient, settings)
     tasks = [
         PeriodicTask("recover_runs", recovery_s, recoverer.recover_runs),
         PeriodicTask("recover_checks", recovery_s, recoverer.recover_checks),
@@ -229,20 +296,8 @@ def main(parent: str) -> None:
         PeriodicTask("measure_disk", MEASURE_EVERY_S, lambda: measure_if_old(database, settings)),
     ]
     restricted = rights.are_restricted(database, stopping)
-    kept_s = 3 * recovery_s
-    # Each kind has holders of its own: those of the common tasks may all be restricted.
-    duties = [
-        (Duty(redis, rights, kept_s=kept_s), those)
-        for rights, those in by_rights(
-            tasks, all_rights=not restricted, key=settings.derives_seeds
-        ).items()
-    ]
-    ours = [task for _, those in duties for task in those]
-    while not stopping.wait(next_due_in_s(ours)):
-        if any([run_due(its, on_duty=duty.is_mine) for duty, its in duties]):
-            shared.add()
-    for duty, _ in duties:
-        duty.give_up()
+    duties = by_rights(tasks, all_rights=not restricted, key=settings.derives_seeds)
+    maintain(duties, redis, impatient, stopping, kept_s=3 * recovery_s)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,20 @@
 """The periodic tasks of the maintenance process."""
 
+import threading
+
 import pytest
 
-from seamark.worker.service.maintenance import PeriodicTask, by_rights, next_due_in_s, run_due
+from seamark.server.messaging import broker
+from seamark.server.settings import Settings
+from seamark.worker.service.maintenance import (
+    PeriodicTask,
+    by_rights,
+    maintain,
+    next_due_in_s,
+    run_due,
+)
+
+PATIENCE_S = 60.0
 
 
 def test_a_periodic_task_that_fails_stops_neither_the_others_nor_its_next_time() -> None:
@@ -66,12 +78,13 @@ def test_who_is_not_on_duty_leaves_what_is_due_to_others_and_asks_once_per_perio
 def test_a_task_is_left_to_processes_that_have_what_it_needs(
     all_rights: bool, key: bool, expected: dict[str, list[str]]
 ) -> None:
-    names = ("plain", "delete_accounts", "fill_seeds", "verify_first")
+    names = ("plain", "recover_runs", "delete_accounts", "fill_seeds", "verify_first")
     tasks = [PeriodicTask(name, 1.0, lambda: None) for name in names]
 
     found = by_rights(tasks, all_rights=all_rights, key=key)
 
-    assert {rights: [task.name for task in those] for rights, those in found.items()} == expected
+    wanted = expected | {"recovery": ["recover_runs"]}
+    assert {rights: [task.name for task in those] for rights, those in found.items()} == wanted
 
 
 @pytest.mark.parametrize("on_duty", [True, False])
@@ -85,3 +98,29 @@ def test_nothing_is_looked_at_before_the_next_task_is_due(on_duty: bool) -> None
     assert next_due_in_s(tasks) == 0.0
     run_due(tasks, on_duty=lambda: on_duty)
     assert 40.0 < next_due_in_s(tasks) <= 50.0
+
+
+def test_a_storage_that_hangs_holds_up_no_recovery(settings: Settings) -> None:
+    stopping, hangs, recovered = threading.Event(), threading.Event(), threading.Semaphore(0)
+
+    def hang() -> None:
+        hangs.wait(PATIENCE_S)
+
+    tasks = [
+        PeriodicTask("recover_runs", 0.05, recovered.release),
+        PeriodicTask("sweep_data", 0.0, hang),
+    ]
+    duties = by_rights(tasks, all_rights=False, key=False)
+    redis = broker.connect(settings)
+    process = threading.Thread(
+        target=maintain, args=(duties, redis, redis, stopping), kwargs={"kept_s": 30.0}
+    )
+
+    process.start()
+    looks = [recovered.acquire(timeout=PATIENCE_S / 2) for _ in range(5)]
+    stopping.set()
+    hangs.set()
+    process.join()
+    redis.close()
+
+    assert looks == [True] * 5
