@@ -40,6 +40,8 @@ class Controller:
 UPLOADS = 4  # one of so many runs is of an uploaded program
 POLL_S = 0.25
 COMMAND_MAX = 120  # [characters] to print
+# A process that had just been started sees that its parent has gone when its modules are loaded.
+ORPHANS_S = 40.0
 STUCK_S = 180.0  # without any run that ends: the campaign is given up
 
 
@@ -200,7 +202,7 @@ class Campaign:
                 self.findings.wrong.append(f"run {run_id}: another file")
 
     def _count_orphans(self) -> None:
-        deadline = time.monotonic() + 10.0
+        deadline = time.monotonic() + ORPHANS_S
         while self._installation.orphans() and time.monotonic() < deadline:
             time.sleep(POLL_S)
         left = map(command_line, self._installation.orphans())
