@@ -116,7 +116,8 @@ def _unchanged_database(settings: Settings) -> Database:
     from seamark.server.database.engine import Database
 
     refuse_without_service(settings)
-    database = Database(settings.database_url)
+    # Its snapshot keeps nobody waiting, however slow the disk is that the backup is written to.
+    database = Database(settings.database_url, idle_s=0.0)
     try:
         schema.check(database.engine)
     except schema.SchemaTooOld as error:
