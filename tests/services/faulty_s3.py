@@ -1,5 +1,6 @@
 """A proxy in front of an S3 server that answers errors, hangs or refuses for a while."""
 
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,8 +33,7 @@ class FaultyS3:
         class Handler(_Handler):
             service, target = faulty, urlsplit(upstream).netloc
 
-        self._server = ThreadingHTTPServer(address, Handler)
-        self._server.daemon_threads = True
+        self._server = _Server(address, Handler)
         host, port = self._server.server_address[:2]
         self.endpoint = f"http://{host!s}:{port}"
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
@@ -59,6 +59,15 @@ class FaultyS3:
         self.behave("works")
         self._server.shutdown()
         self._server.server_close()
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Print nothing of clients that were killed, or have given up."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
