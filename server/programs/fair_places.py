@@ -85,7 +85,9 @@ class FairPlaces:
 
     def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> PlacesBusy:
         """Return the refusal of one more behind those that wait."""
-        places = 1 if own else self._count
+        owners = len({*self._waiting, *self._busy})
+        # An owner has one place at a time, and in turns with the others.
+        places = min(self._count / max(owners, 1), 1.0) if own else self._count
         after_s = math.ceil((waiting + 1) * self._held_s / places)
         return PlacesBusy(sentence, retry_after_s=min(max(after_s, 1), RETRY_MAX_S), own=own)
 

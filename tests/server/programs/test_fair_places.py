@@ -121,3 +121,20 @@ def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> N
 
     assert _waits(places, "b", 0)()
     uploads.end("a1")
+
+
+def test_an_owner_is_told_to_wait_for_the_turns_of_the_others_too() -> None:
+    places = FairPlaces(1, wait_s=LONG_S, waiting_max=1, what="uploads")
+    uploads = Uploads(places)
+    uploads.begin("a1")
+    _eventually(lambda: uploads.started == ["a1"])
+    for owner in "abc":
+        uploads.begin(f"{owner}2")
+        _eventually(_waits(places, owner, 1))
+
+    with pytest.raises(PlacesBusy) as busy:
+        uploads.begin("a3").result(LONG_S)
+
+    assert busy.value.retry_after_s == 2 * 3  # two turns of three owners, of a second each
+    for name in ("a1", "a2", "b2", "c2"):
+        uploads.end(name)
