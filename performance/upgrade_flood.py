@@ -11,9 +11,9 @@ import socket
 import time
 from collections.abc import AsyncIterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, asynccontextmanager, suppress
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
 
-from performance.streams import COLUMNS, Measurement, Service, service, viewers
+from performance.streams import COLUMNS, Measurement, Received, Service, service, viewers
 from performance.table import aligned
 
 UPGRADES = 10_000
@@ -66,15 +66,25 @@ async def _flooded(port: int) -> AsyncIterator["multiprocessing.queues.Queue[flo
         process.join()
 
 
-async def _measure(running: Service, pool: ProcessPoolExecutor) -> list[tuple[str, ...]]:
-    measurement = Measurement(running, pool)
+@asynccontextmanager
+async def _watched(running: Service) -> AsyncIterator[Received]:
+    """Follow a run that has just begun with all viewers."""
     watched = await asyncio.to_thread(running.with_new_run)
     async with viewers(watched, READERS) as received:
-        await measurement.add(f"{READERS} viewers", received)
-        async with _flooded(running.port) as opened:
+        yield received
+
+
+async def _measure(running: Service, pool: ProcessPoolExecutor) -> list[tuple[str, ...]]:
+    measurement = Measurement(running, pool)
+    async with AsyncExitStack() as flooded:
+        async with _watched(running) as received:
+            await measurement.add(f"{READERS} viewers", received)
+            opened = await flooded.enter_async_context(_flooded(running.port))
             await measurement.add(f"... and {UPGRADES} unfinished upgrades", received)
             seconds = await asyncio.to_thread(opened.get)
+        async with _watched(running) as received:  # the first run may have ended
             await measurement.add(f"... opened in {seconds:.1f} s, and held", received)
+    async with _watched(running) as received:
         await measurement.add(f"{READERS} viewers again", received)
     return measurement.lines
 

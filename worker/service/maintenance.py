@@ -244,6 +244,7 @@ def maintain(
     redis: "Redis",
     impatient: "Redis",
     stopping: threading.Event,
+    shared: SharedMeters,
     *,
     kept_s: float,
 ) -> None:
@@ -253,8 +254,9 @@ def maintain(
     ----------
     impatient
         The broker as recovery asks it.
+    shared
+        From before the tasks were made: their meters are there from the first time on, at zero.
     """
-    shared = SharedMeters(impatient)
     recovery = {RECOVERY: duties[RECOVERY]}
     rest = {kind: tasks for kind, tasks in duties.items() if kind != RECOVERY}
     recovers = threading.Thread(
@@ -275,6 +277,7 @@ def main(parent: str) -> None:
     log.configure(settings.log_level, settings.log_format)
     app, redis = broker.celery_app(settings), broker.connect(settings)
     impatient = broker.connect(settings, timeout_s=BROKER_S)
+    shared = SharedMeters(impatient)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
     recoverer = Recoverer(app, database, impatient, settings)
     tasks = [
@@ -297,7 +300,7 @@ def main(parent: str) -> None:
     ]
     restricted = rights.are_restricted(database, stopping)
     duties = by_rights(tasks, all_rights=not restricted, key=settings.derives_seeds)
-    maintain(duties, redis, impatient, stopping, kept_s=3 * recovery_s)
+    maintain(duties, redis, impatient, stopping, shared, kept_s=3 * recovery_s)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
 from seamark.server.runs.conversions import Conversions
 from seamark.server.web import authentication
+from seamark.server.web.asgi import APART
 from tests.cast import Backend
 from tests.server.api.conftest import Site
 from tests.server.web.callers import (
@@ -207,12 +208,13 @@ def test_an_expired_token_is_refused_everywhere(site: Site) -> None:
         text = accounts.new_token(session, site.user_id("ann"), "old", [READ, SUBMIT], days=-1.0)
     headers, recorded = {"Authorization": f"Bearer {text}"}, site.recorded()
 
+    # Health is the same for all, and asked without a look at who asks: the database may hang.
     statuses = {
         site.client()
         .open(path_of(site, route, entry, recorded), method=method, headers=headers)
         .status_code
         for (method, route), entry in ROUTES.items()
-        if not route.startswith("/static/")
+        if not route.startswith("/static/") and route not in APART
     }
 
     assert statuses == {401}

@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from seamark.server.messaging import broker
+from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.settings import Settings
 from seamark.worker.service.maintenance import (
     PeriodicTask,
@@ -113,7 +114,9 @@ def test_a_storage_that_hangs_holds_up_no_recovery(settings: Settings) -> None:
     duties = by_rights(tasks, all_rights=False, key=False)
     redis = broker.connect(settings)
     process = threading.Thread(
-        target=maintain, args=(duties, redis, redis, stopping), kwargs={"kept_s": 30.0}
+        target=maintain,
+        args=(duties, redis, redis, stopping, SharedMeters(redis)),
+        kwargs={"kept_s": 30.0},
     )
 
     process.start()

@@ -59,7 +59,8 @@ def test_a_run_on_another_machine_is_read_here_and_ends_on_a_third_if_its_worker
     ).digest
     _start_worker(machines, "first")
     uploaded = machines.ended(machines.submit(controller="upload", program=program))
-    long = machines.submit(LONG | {"levels": [0.0, 0.1, 0.2, 0.3]})
+    # So long that it does not end before its first rows are seen here.
+    long = machines.submit(LONG | {"levels": [0.0, 0.1, 0.2, 0.3, 0.35, 0.4]})
     machines.wait(long, lambda run: run.state is RunState.RUNNING)
     deadline = time.monotonic() + 120
     while not stored_files.latest(machines.settings, long).row_count():

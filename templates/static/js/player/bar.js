@@ -85,7 +85,7 @@ export class Bar {
 
   onKey(event) {
     const { target, key, ctrlKey, metaKey, altKey } = event;
-    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, dialog, [contenteditable], .table-wrap, .log")) return;
+    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, dialog[open], [contenteditable], .table-wrap, .log")) return;
     const { playhead } = this;
     const inControl = target.closest("button, a, canvas");
     const seek = (seconds) => playhead.seek(playhead.t + seconds);
