@@ -42,7 +42,8 @@ PAGE_S = 15.0  # one request to a storage that hangs, and what waits for it
 STEPS = ("migrate", "worker-rights", "reference-entries")
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
-LONG = SHORT | {"levels": [0.0, 0.1, 0.2, 0.3, 0.4], "level_duration_s": 600.0}
+# Long enough to be seen under way on a fast machine: progress is told every five seconds.
+LONG = SHORT | {"levels": [at / 20 for at in range(10)], "level_duration_s": 600.0}
 UPLOADED = {"levels": [0.0, 0.2], "level_duration_s": 8.0, "settle_s": 1.0}
 RANKED: Any = {"controller": "pi", "kind": "ranked"}
 
