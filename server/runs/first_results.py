@@ -14,11 +14,11 @@ how fast it runs.
 import time
 
 from sqlalchemy import Select, and_, or_, select
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from seamark.server.database.submission_tables import SeenSubmission
 from seamark.server.database.tables import Run
+from seamark.server.database.upsert import insert_missing
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import RunState
 
@@ -50,10 +50,7 @@ def record(session: Session, run_id: int, digest: str | None) -> None:
     if not _has_fresh_water(run):
         return
     row = {"submission": run.submission, "run_id": run_id, "digest": digest}
-    insert = postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
-    session.execute(
-        insert(SeenSubmission).values(**row, seen_at=time.time()).on_conflict_do_nothing()
-    )
+    insert_missing(session, SeenSubmission, row | {"seen_at": time.time()})
 
 
 def refusal(session: Session, run: Run, digest: str | None) -> str | None:
