@@ -51,7 +51,15 @@ class _SmallReads(asyncio.BufferedProtocol):
     asyncio reads 256 KiB at once: 40,000 chunks or frames of a byte, which took half a second.
     """
 
-    _state: State
+    def __init__(
+        self,
+        config: Config,
+        server_state: State,
+        app_state: dict[str, Any],
+        _loop: asyncio.AbstractEventLoop | None = None,
+    ) -> None:
+        super().__init__(config, server_state, app_state, _loop)  # type: ignore[call-arg]
+        self._state = server_state
 
     def get_buffer(self, _sizehint: int) -> bytearray:
         """Return where to put what arrives."""
@@ -71,16 +79,6 @@ class Protocol(_SmallReads, H11Protocol):  # type: ignore[misc]
     _last = False
     _refused = False  # what the client sends cannot be read; it may read why
     _handed_over = False  # to the protocol of WebSockets
-
-    def __init__(
-        self,
-        config: Config,
-        server_state: State,
-        app_state: dict[str, Any],
-        _loop: asyncio.AbstractEventLoop | None = None,
-    ) -> None:
-        super().__init__(config, server_state, app_state, _loop)
-        self._state = server_state
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Await the first request."""
@@ -219,16 +217,6 @@ class WebSocketProtocol(_SmallReads, WebSocketsSansIOProtocol):  # type: ignore[
     accept_s = ACCEPT_S
     pings_max = PINGS_MAX
     _pings = 0
-
-    def __init__(
-        self,
-        config: Config,
-        server_state: State,
-        app_state: dict[str, Any],
-        _loop: asyncio.AbstractEventLoop | None = None,
-    ) -> None:
-        super().__init__(config, server_state, app_state, _loop)
-        self._state = server_state
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take over a connection whose request has come."""

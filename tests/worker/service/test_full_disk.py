@@ -1,14 +1,12 @@
 """A disk that fills up, or goes away, costs an attempt and no result."""
 
 import os
-from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import storage
@@ -35,28 +33,6 @@ MORE_THAN_ANY_DISK = 2**62
 MINUTES: dict[str, Any] = {"levels": [0.0, 0.1], "level_duration_s": 90.0}  # 1.6 MB
 # Stands in for the simulator of a worker that claims nothing.
 IDLE = "import socket, sys; c = socket.socket(fileno=int(sys.argv[1])); c.send(b'ready'); c.recv(1)"
-
-
-@pytest.fixture(scope="module")
-def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Simulator]:
-    made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path_factory.mktemp("compiled"))
-    made.start()
-    yield made
-    made.stop()
-
-
-@pytest.fixture
-def context(backend: Backend, simulator: Simulator) -> Iterator[RunContext]:
-    redis = Redis.from_url(backend.settings.broker_url)
-    yield RunContext(
-        settings=backend.settings,
-        database=backend.database,
-        redis=redis,
-        simulator=simulator,
-        isolation=IsolationLevel.NONE,
-        shutting_down=lambda: False,
-    )
-    redis.close()
 
 
 class _BrokenSimulator:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import meters, objects
@@ -42,14 +41,6 @@ IDLE = "import socket, sys; c = socket.socket(fileno=int(sys.argv[1])); c.send(b
 DOWN: tuple[Behaviour, ...] = ("answers errors", "hangs")
 
 
-@pytest.fixture(scope="module")
-def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Simulator]:
-    made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path_factory.mktemp("compiled"))
-    made.start()
-    yield made
-    made.stop()
-
-
 @pytest.fixture
 def short_requests(monkeypatch: Any) -> None:
     """Requests that give up after two seconds."""
@@ -75,20 +66,6 @@ def backend(
     database = Database(settings.database_url)
     yield Backend.with_cast(database, settings)
     database.close()
-
-
-@pytest.fixture
-def context(backend: Backend, simulator: Simulator) -> Iterator[RunContext]:
-    redis = Redis.from_url(backend.settings.broker_url)
-    yield RunContext(
-        settings=backend.settings,
-        database=backend.database,
-        redis=redis,
-        simulator=simulator,
-        isolation=IsolationLevel.NONE,
-        shutting_down=lambda: False,
-    )
-    redis.close()
 
 
 @contextmanager

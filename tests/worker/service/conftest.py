@@ -1,0 +1,34 @@
+"""What evaluates the runs of a worker in the process of a test."""
+
+from collections.abc import Iterator
+
+import pytest
+from redis import Redis
+
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.service.run_driver import RunContext
+from seamark.worker.zygote.client import Simulator
+from tests.cast import Backend
+
+
+@pytest.fixture(scope="module")
+def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Simulator]:
+    made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path_factory.mktemp("compiled"))
+    made.start()
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def context(backend: Backend, simulator: Simulator) -> Iterator[RunContext]:
+    redis = Redis.from_url(backend.settings.broker_url)
+    yield RunContext(
+        settings=backend.settings,
+        database=backend.database,
+        redis=redis,
+        simulator=simulator,
+        isolation=IsolationLevel.NONE,
+        shutting_down=lambda: False,
+    )
+    redis.close()
