@@ -1,5 +1,6 @@
 """The languages that a program may be written in: a folder each, and a line each here."""
 
+from collections.abc import Iterable
 from pathlib import PurePosixPath
 
 from seamark.sandbox.languages.c_family import CPP, C
@@ -33,6 +34,12 @@ def role_refusal(name: str, role: str) -> str:
         return ""
     labels = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
     return f"A {role} can be written in {labels}, but not in {known.label if known else name}."
+
+
+def kinds(names: Iterable[str]) -> str:
+    """Return in words what a program in one of these languages is, such as: C or an FMU."""
+    words = [LANGUAGES[name].described for name in names]
+    return " or ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
 def starters(role: str = CONTROLLER) -> dict[str, Sample]:

@@ -2,12 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.runtime import Runtime
 
 CONTROLLER, TRACKER, DETECTOR = "controller", "tracker", "detector"
 ALL_ROLES = (CONTROLLER, TRACKER, DETECTOR)
+
+
+class Declarations(StrEnum):
+    """How a program declares its parameters (docs/languages.md)."""
+
+    NONE = "none"
+    LITERAL = "literal"  # `PARAMETERS = {...}` in Python
+    COMMENTS = "comments"  # lines with `@parameter` behind //, /*, % or #
+    MODEL = "model"  # the model description of an FMU
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +52,12 @@ class Language:
     binary_refusal: Callable[[bytes], str] | None = None  # for files that are no text: why not
     samples_compiled_by: str = ""  # the language whose compiler builds the samples, if not its own
     debian_packages: tuple[str, ...] = ()  # beside what Seamark installs itself
+    noun: str = ""  # what its programs are in words, if they are not written in it: "an FMU"
+    syntax: str = ""  # of its first starter, as Pygments and the form's editor name it
+    declarations: Declarations = Declarations.NONE
+    sets_by_name: bool = False  # parameters with the name of a setting are set by the setting
+    states_encoding: bool = False  # a source says itself how it is encoded; else it is UTF-8
+    in_the_box: str = ""  # what its programs find there, in Markdown, for the page "In the box"
 
     @property
     def file_name(self) -> str:
@@ -50,6 +66,16 @@ class Language:
         A name is no part of what is submitted, so the same submission could behave differently.
         """
         return f"program{self.suffixes[0]}"
+
+    @property
+    def short_label(self) -> str:
+        """The label without what is in brackets."""
+        return self.label.partition(" (")[0]
+
+    @property
+    def described(self) -> str:
+        """What one of its programs is, such as "Python" or "an FMU"."""
+        return self.noun or self.short_label
 
     @property
     def is_text(self) -> bool:

@@ -15,6 +15,7 @@ class Sample:
     archive: str = ""  # the name of the archive that is uploaded
     role: str = "controller"
     name: str = ""  # of a second starter in the same language, for `seamark init --language`
+    heading: str = ""  # above its text in the documentation; empty: "Starter in <language>"
     build: str = ""  # the user's command that makes an upload of {source}: {program}
 
     @property
@@ -30,6 +31,11 @@ class Sample:
     def upload(self) -> bytes:
         """Return the file that is uploaded."""
         return self.contents()[self.upload_name]
+
+    @property
+    def companions(self) -> Mapping[str, Path]:
+        """The texts that its author needs beside it; none if all files are one archive."""
+        return {} if self.archive else dict([*self.files.items()][1:])
 
     def text(self) -> str:
         """Return the text of the first file."""

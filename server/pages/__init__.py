@@ -15,6 +15,7 @@ from seamark.server.pages import (
     download,
     errors,
     first_program,
+    guides,
     home,
     identity,
     invitations,
@@ -79,5 +80,6 @@ def register(app: Flask) -> None:
     app.add_template_filter(article)
     app.add_template_filter(with_way_to_install)
     app.add_template_filter(code_block, "code")
+    app.add_template_filter(guides.markdown)
     app.add_template_filter(sparkline.segments)
     errors.register(app)

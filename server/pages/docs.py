@@ -21,9 +21,7 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import (
     DEFAULT_LANGUAGE,
     LANGUAGES,
-    c_family,
     editor_starters,
-    starters,
 )
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
@@ -134,23 +132,37 @@ def _tracker() -> dict[str, Any]:
 
 
 def _languages() -> dict[str, Any]:
-    examples = {name: starter.text() for name, starter in starters().items()}
     return {
         "guide": guides.html("languages.md"),
-        "examples": examples,
-        "header": c_family.HEADER.read_text("utf-8"),
+        "starters": list(_starter_texts()),
         "compiling": COMPILING,
         "limits": Limits(),
     }
+
+
+def _starter_texts() -> Iterator[tuple[str, str, str]]:
+    """Iterate over heading, text and syntax of the starters, but that of the default language.
+
+    That one is on the page about controllers. A companion that several starters have comes once.
+    """
+    shown = {}
+    for language in LANGUAGES.values():
+        for starter in language.starters:
+            if starter.role != CONTROLLER or language.name == DEFAULT_LANGUAGE:
+                continue
+            heading = starter.heading or f"Starter in {language.short_label}"
+            yield heading, starter.text(), language.syntax
+            for name, path in starter.companions.items():
+                shown[name] = f"The file {name}", path.read_text("utf-8"), language.syntax
+    yield from shown.values()
 
 
 def _box() -> dict[str, Any]:
     with services().database.reading() as session:
         found = workers.environments(session)
     return {
-        "environments": [(LANGUAGES[one.language].label, one) for one in found],
+        "environments": [(LANGUAGES[one.language], one) for one in found],
         "memory_mib": Limits().memory_mib,
-        "compiling": COMPILING,
     }
 
 

@@ -2,7 +2,7 @@
 
 from flask import Blueprint, g, render_template
 
-from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.runs import recorded_demo
@@ -32,7 +32,8 @@ def show() -> str:
         benchmark=benchmark,
         title=TITLE,
         text=TEXT,
-        language=DEFAULT_LANGUAGE,
+        language=LANGUAGES[DEFAULT_LANGUAGE],
+        other_kinds=kinds(name for name in LANGUAGES if name != DEFAULT_LANGUAGE),
         file_name=editor_starters(benchmark.role)[DEFAULT_LANGUAGE].upload_name,
         settings=recorded_demo.SETTINGS,
         fields={name: text_of(value) for name, value in recorded_demo.SETTINGS.items()},

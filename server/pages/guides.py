@@ -60,6 +60,12 @@ def html(name: str) -> str:
 
 
 @lru_cache(maxsize=32)
+def markdown(text: str) -> str:
+    """Return paragraphs in Markdown as HTML."""
+    return str(_markdown().render(text))
+
+
+@lru_cache(maxsize=32)
 def section(name: str, title: str) -> tuple[str, Mapping[str, str]]:
     """Return a section of a page in `titles` as HTML, and anchor -> title of its subsections.
 

@@ -7,6 +7,7 @@ from flask import Blueprint, g, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
+from seamark.sandbox.languages import LANGUAGES, kinds
 from seamark.server import workers
 from seamark.server.pages import demo, link_previews
 from seamark.server.runs import leaderboard, reference_entries, run_lists, totals
@@ -50,6 +51,7 @@ def show() -> ResponseReturnValue:
         live=max(0, live),
         simulated_h=simulated_s / 3600,
         workers=alive,
+        kinds=kinds(LANGUAGES),
         preview=link_previews.of_home(),
     )
 

@@ -181,7 +181,7 @@ def _labels(benchmark: Benchmark) -> Labels:
     """Return filter -> value -> label."""
     found = {
         "program": {UPLOADED: "Uploaded", BUILT_IN: "Built in"},
-        "language": {name: each.label.partition(" (")[0] for name, each in LANGUAGES.items()},
+        "language": {name: each.short_label for name, each in LANGUAGES.items()},
     }
     settings = benchmark.configuration.model_fields
     for name in ("vehicle", "tracker"):

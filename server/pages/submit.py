@@ -3,7 +3,7 @@
 from flask import Blueprint, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.classes.assignments import AssignmentView
@@ -16,7 +16,7 @@ from seamark.server.pages import (
     sweep_fields,
 )
 from seamark.server.pages.prefill import Prefill
-from seamark.server.programs import archives
+from seamark.server.programs import archives, declarations, file_types
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import assigned, quota, run_notes, submission, sweeps, trial_limits
@@ -195,7 +195,10 @@ def _show(
         file_names={name: starter.upload_name for name, starter in starters.items()},
         general=" ".join(general),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
-        kinds=submitted_program.kinds(name for name, refusal in refusals.items() if not refusal),
+        kinds=kinds(name for name, refusal in refusals.items() if not refusal),
+        other_kinds=kinds(name for name in refusals if name != DEFAULT_LANGUAGE),
+        packed=file_types.packed(),
+        declaring=declarations.MARKS,
         unavailable={LANGUAGES[name].label: why for name, why in refusals.items() if why},
         default_language=DEFAULT_LANGUAGE,
         examples={name: starter.text() for name, starter in starters.items() if not refusals[name]},

@@ -5,13 +5,12 @@ then kept in a hidden field, signed and valid for this user only.
 """
 
 import io
-from collections.abc import Iterable
 from typing import BinaryIO, cast
 
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
-from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.programs import store
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import UploadRejected
@@ -23,7 +22,6 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 
 VALID_S = store.UNUSED_KEPT_S / 2  # of the hidden field
 FIELD = "kept_program"
-_ARTEFACTS = {"fmu": "an FMU", "executable": "a Linux executable"}  # not written in a language
 
 
 def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
@@ -84,9 +82,3 @@ def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
 
 def _signer() -> URLSafeTimedSerializer:
     return URLSafeTimedSerializer(services().settings.secret_key, salt="kept program")
-
-
-def kinds(languages: Iterable[str]) -> str:
-    """Return in words what a program in one of these languages is, such as: C or an FMU."""
-    words = [_ARTEFACTS.get(name) or LANGUAGES[name].label.partition(" (")[0] for name in languages]
-    return " or ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))

@@ -30,11 +30,17 @@ _INSTEAD = {
 }
 
 
+def packed() -> tuple[str, ...]:
+    """Return the endings of uploads that are archives, and so no texts."""
+    languages = (language for language in LANGUAGES.values() if language.is_archive)
+    return (*SUFFIXES, *(suffix for language in languages for suffix in language.suffixes))
+
+
 def refusal(name: str) -> str:
     """Return why a file of this name cannot be a program, and which ones can."""
     suffix = PurePosixPath(name).suffix.lower()
     types = ", ".join(
-        f"{' or '.join(filter(None, language.suffixes))} ({language.label.partition(' (')[0]})"
+        f"{' or '.join(filter(None, language.suffixes))} ({language.short_label})"
         for language in LANGUAGES.values()
         if language.binary_refusal is None
     )

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
-from seamark.sandbox.languages.fmu import FMU
+from seamark.sandbox.languages import LANGUAGES
 from seamark.sim.settings.configuration import ConfigurationInvalid
 
 KEY = "parameters"  # in a stored configuration; no benchmark has a setting of this name
@@ -119,7 +119,9 @@ def of_benchmark(
     Those of an FMU that are named as settings are connected to the settings instead: exported
     models name them so for this purpose.
     """
-    return tuple(one for one in parameters if language != FMU.name or one.name not in settings)
+    known = LANGUAGES.get(language)  # None: of a run that an earlier version accepted
+    taken = settings if known is not None and known.sets_by_name else ()
+    return tuple(one for one in parameters if one.name not in taken)
 
 
 def schema_of(parameters: Sequence[Parameter]) -> dict[str, Any]:

@@ -67,8 +67,7 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
         raise UploadRejected(f"{name} is empty.")
     if language is None or LANGUAGES[language].is_archive:
         return _prepare_archive(source, name, language, role)
-    if language != PYTHON.name:  # its linter reports wrong bytes itself
-        _check_format(name, source, language)
+    _check_format(name, source, language)
     found = _lint(language, {name: source}, name, role)
     return _declaring(PreparedProgram(name, language, source, found), source, name)
 
@@ -135,10 +134,10 @@ def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:
 
 def _check_format(name: str, source: bytes, language: str) -> None:
     """Raise UploadRejected if these bytes cannot be a program of this language."""
-    refusal = LANGUAGES[language].binary_refusal
-    if refusal is None:
+    known = LANGUAGES[language]
+    if known.is_text and not known.states_encoding:
         _check_utf8(name, source)
-    elif reason := refusal(source):
+    elif known.binary_refusal and (reason := known.binary_refusal(source)):
         raise UploadRejected(f"{name}: {reason}")
 
 

@@ -3,9 +3,10 @@
 from pathlib import PurePath
 from typing import Any
 
-NAME = "Anonymous author"  # no account can have it: names have no spaces
+from seamark.sandbox.languages import language_of
+from seamark.server.programs import archives
 
-_SUFFIXES = frozenset((".py", ".c", ".cpp", ".m", ".fmu", ".zip", ".gz", ".tar", ".tgz"))
+NAME = "Anonymous author"  # no account can have it: names have no spaces
 
 
 def file_name(name: str | None) -> str | None:
@@ -13,7 +14,8 @@ def file_name(name: str | None) -> str | None:
     if name is None:
         return None
     suffix = PurePath(name).suffix
-    return f"program{suffix}" if suffix in _SUFFIXES else "program"
+    known = language_of(name) is not None or archives.is_archive(name)
+    return f"program{suffix}" if known else "program"
 
 
 def replaced(value: Any, name: str, by: str) -> Any:

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Language
+from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
 from seamark.sandbox.languages.sample import Sample, sample
+from seamark.sandbox.limits import COMPILING
 from seamark.sandbox.runtime import Runtime
 
 HERE = Path(__file__).parent
@@ -51,7 +52,11 @@ C = Language(
     self_test=sample(HERE / "self_test.c"),
     starters=(
         sample(HERE / "starter/controller.c", HEADER),
-        Sample(files={"controller.c": HERE / "starter/embedded_coder.c"}, name="embedded-c"),
+        Sample(
+            files={"controller.c": HERE / "starter/embedded_coder.c"},
+            name="embedded-c",
+            heading="Starter for Embedded Coder",
+        ),
         sample(HERE / "starter/tracker.c", HEADER, role=TRACKER),
     ),
     conformance=(
@@ -62,6 +67,12 @@ C = Language(
     roles=ALL_ROLES,
     debian_packages=GCC_PACKAGES,
     archive_mains=("controller.c", "rtwtypes.h", "ert_main.c"),
+    syntax="c",
+    declarations=Declarations.COMMENTS,
+    in_the_box=(
+        "The standard library and `-lm`, compiled with `-O2 -std=c11`. The compiler may use "
+        f"{COMPILING.cpu_s:g} s of CPU time and {COMPILING.memory_mib} MiB."
+    ),
 )
 
 CPP = Language(
@@ -83,4 +94,12 @@ CPP = Language(
     roles=ALL_ROLES,
     debian_packages=("g++",),
     archive_mains=("controller.cpp", "controller.cc"),
+    syntax="cpp",
+    declarations=Declarations.COMMENTS,
+    in_the_box=(
+        "Compiled with `-O2 -std=c++17`. Eigen (`#include <Eigen/Dense>`) and OpenCV "
+        "(`#include <opencv2/imgproc.hpp>`) need no options if they are listed above; the OpenCV "
+        "modules in brackets are linked. OpenCV in C++ is the one of the worker's system, and so "
+        "older than that of Python."
+    ),
 )

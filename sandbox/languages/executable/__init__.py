@@ -42,6 +42,7 @@ EXECUTABLE = Language(
         Sample(
             files={"controller.c": HERE / "starter/controller.c"},
             build="gcc -O2 -static {source} -o {program}",
+            heading="An executable in C",
         ),
     ),
     conformance=C.conformance,
@@ -49,4 +50,9 @@ EXECUTABLE = Language(
     roles=ALL_ROLES,
     binary_refusal=refusal,
     debian_packages=GCC_PACKAGES,
+    noun="a Linux executable",
+    syntax=C.syntax,
+    in_the_box=(
+        "An executable may be static, or linked to the C and C++ libraries of the worker's system."
+    ),
 )

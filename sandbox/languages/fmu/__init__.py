@@ -7,7 +7,7 @@ compiled first, in a box of its own.
 from pathlib import Path
 
 from seamark.sandbox.languages.c_family import GCC_PACKAGES
-from seamark.sandbox.languages.language import Calls, Language
+from seamark.sandbox.languages.language import Calls, Declarations, Language
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.runtime import Runtime
 
@@ -41,7 +41,9 @@ def runtime() -> Runtime:
     return script_runtime(HERE / "inside", "runner", environment=ENVIRONMENT)
 
 
-def _fmu(name: str, folder: str, description: str, source: str, extra: str = "") -> Sample:
+def _fmu(
+    name: str, folder: str, description: str, source: str, extra: str = "", heading: str = ""
+) -> Sample:
     """Return an FMU of C sources, with a mapping of its names if there is one."""
     files = {
         "modelDescription.xml": HERE / folder / description,
@@ -49,7 +51,7 @@ def _fmu(name: str, folder: str, description: str, source: str, extra: str = "")
     }
     if extra:
         files["extra/seamark.json"] = HERE / folder / extra
-    return Sample(files=files, archive=name)
+    return Sample(files=files, archive=name, heading=heading)
 
 
 FMU = Language(
@@ -62,11 +64,24 @@ FMU = Language(
         "The FMU (loading and instantiation)", "the FMU's initialization", "the FMU's step"
     ),
     self_test=_fmu("self_test.fmu", "self_test", "modelDescription.xml", "model.c"),
-    starters=(_fmu("controller.fmu", "starter", "modelDescription.xml", "controller.c"),),
+    starters=(
+        _fmu(
+            "controller.fmu",
+            "starter",
+            "modelDescription.xml",
+            "controller.c",
+            heading="Model description of the FMU starter",
+        ),
+    ),
     conformance=(
         _fmu("fmi2.fmu", "conformance", "fmi2.xml", "fmi2.c", "fmi2.json"),
         _fmu("fmi3.fmu", "conformance", "fmi3.xml", "fmi3.c"),
     ),
     is_archive=True,
     debian_packages=GCC_PACKAGES,
+    noun="an FMU",
+    syntax="xml",
+    declarations=Declarations.MODEL,
+    sets_by_name=True,
+    in_the_box="An FMU brings its own code. C sources in it are compiled with the GCC of C.",
 )

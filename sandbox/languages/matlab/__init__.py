@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Language
+from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
 from seamark.sandbox.languages.sample import sample
 from seamark.sandbox.runtime import Runtime
 
@@ -36,4 +36,7 @@ MATLAB = Language(
     roles=ALL_ROLES,
     debian_packages=("octave",),
     archive_mains=("controller.m",),
+    syntax="matlab",
+    declarations=Declarations.COMMENTS,
+    in_the_box="GNU Octave without packages and toolboxes.",
 )

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Language
+from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
 from seamark.sandbox.languages.sample import sample
 from seamark.sandbox.runtime import Runtime
 
@@ -33,4 +33,14 @@ PYTHON = Language(
     ),
     archive_mains=("main.py",),
     roles=ALL_ROLES,
+    syntax="python",
+    declarations=Declarations.LITERAL,
+    states_encoding=True,
+    in_the_box=(
+        "The standard library is complete. `import cv2` gives OpenCV with its contrib modules; its "
+        "functions that show windows or open cameras fail. ONNX Runtime runs a trained network: "
+        "put `main.py` and the exported `.onnx` file into one archive and open it by its name, "
+        '`onnxruntime.InferenceSession("policy.onnx")`. All of these libraries compute with one '
+        "thread."
+    ),
 )

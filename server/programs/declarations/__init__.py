@@ -1,21 +1,20 @@
-"""Reading the parameters that a program declares, without running it: a reader per language."""
+"""Reading the parameters that a program declares, without running it: a reader per form."""
 
 from collections.abc import Callable, Mapping
 
-from seamark.sandbox.languages.c_family import CPP, C
-from seamark.sandbox.languages.fmu import FMU
-from seamark.sandbox.languages.matlab import MATLAB
-from seamark.sandbox.languages.python import PYTHON
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages.language import Declarations
 from seamark.server.programs.declarations import comments, fmu, python
 from seamark.server.programs.declarations.declared import Declared
 
-_READERS: Mapping[str, Callable[[bytes, str], Declared]] = {
-    PYTHON.name: python.read,
-    C.name: comments.read,
-    CPP.name: comments.read,
-    MATLAB.name: comments.read,
-    FMU.name: fmu.read,
+_READERS: Mapping[Declarations, Callable[[bytes, str], Declared]] = {
+    Declarations.LITERAL: python.read,
+    Declarations.COMMENTS: comments.read,
+    Declarations.MODEL: fmu.read,
 }
+# One of these words is in every text that declares something; the form sends no other text to the
+# server while its author is writing.
+MARKS = (python.NAME, comments.MARK)
 
 
 def read(language: str, source: bytes, filename: str) -> Declared:
@@ -26,5 +25,5 @@ def read(language: str, source: bytes, filename: str) -> Declared:
     source
         The main file; of an FMU the whole archive.
     """
-    reader = _READERS.get(language)
+    reader = _READERS.get(LANGUAGES[language].declarations)
     return Declared() if reader is None else reader(source, filename)

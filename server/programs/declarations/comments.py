@@ -12,8 +12,9 @@ import re
 from seamark.server.programs import parameters
 from seamark.server.programs.declarations.declared import Declared, Place
 
+MARK = "@parameter"
 _LINE_MAX = 500  # [character]
-_MARK = re.compile(r"^\s*(?://+|/\*+|\*+|%+|#+)[ \t]*@parameter\b(.*)$")
+_LINE = re.compile(r"^\s*(?://+|/\*+|\*+|%+|#+)[ \t]*@parameter\b(.*)$")
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _DECLARATION = re.compile(
     rf"\A\s++(?P<name>\w+)\s+(?P<default>{_NUMBER}|true|false)"
@@ -30,11 +31,11 @@ def read(source: bytes, filename: str) -> Declared:
     """Return what the comments of a text declare."""
     found = Declared()
     for number, line in enumerate(source.decode("utf-8", "replace").splitlines(), 1):
-        if "@parameter" not in line:
+        if MARK not in line:
             continue
-        mark = _MARK.match(line[:_LINE_MAX])
-        if mark is not None:
-            _read_line(mark[1].removesuffix("*/").rstrip(), found, Place(filename, number))
+        match = _LINE.match(line[:_LINE_MAX])
+        if match is not None:
+            _read_line(match[1].removesuffix("*/").rstrip(), found, Place(filename, number))
     return found
 
 

@@ -116,6 +116,13 @@ def test_a_role_that_it_has_not_is_refused_with_the_languages_that_have_it(
         assert not refusal or LANGUAGES[DEFAULT_LANGUAGE].label in refusal
 
 
+@each_language
+def test_the_image_of_workers_has_its_packages(language: Language) -> None:
+    words = (ROOT / "Dockerfile").read_text("utf-8").split()
+
+    assert set(language.debian_packages) <= set(words)
+
+
 def test_an_unknown_language_is_refused_by_its_name() -> None:
     assert "not in cobol" in role_refusal("cobol", CONTROLLER)
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from seamark.server.pages import submitted_program
+from seamark.sandbox.languages import kinds
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
@@ -159,7 +159,7 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
 
     assert (run.program_name, run.language) == (name, language)
     assert (
-        f'<template data-program-template="{language}" data-file="{name}">'
+        f'<template data-program-template="{language}" data-file="{name}" '
         in browser.get(FORM).text
     )
 
@@ -287,4 +287,4 @@ def test_an_invalid_file_and_an_invalid_field_are_reported_together(site: Site) 
     ],
 )
 def test_the_form_says_in_words_what_a_program_can_be(languages: list[str], words: str) -> None:
-    assert submitted_program.kinds(languages) == words
+    assert kinds(languages) == words

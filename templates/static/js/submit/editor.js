@@ -34,10 +34,15 @@ function highlighting({ HighlightStyle, syntaxHighlighting, tags }) {
   ]));
 }
 
-function languageOf(library, name) {
-  if (name === "c" || name === "c++") return library.cppLanguage;
-  if (name === "matlab") return library.StreamLanguage.define(library.octave);
-  return library.pythonLanguage;
+// Colours for the syntaxes that the library knows; a text in another one is plain.
+function syntaxOf(library, name) {
+  const known = {
+    c: () => library.cppLanguage,
+    cpp: () => library.cppLanguage,
+    matlab: () => library.StreamLanguage.define(library.octave),
+    python: () => library.pythonLanguage,
+  };
+  return known[name]?.() ?? [];
 }
 
 // Lines with problems are coloured, with the sentence below them.
@@ -122,7 +127,10 @@ async function mount(form, area) {
   const root = host.attachShadow({ mode: "open" });
   const marks = problemMarks(library);
   const language = new library.Compartment();
-  const selected = () => languageOf(library, form.elements.language.value);
+  const selected = () => {
+    const template = form.querySelector(`[data-program-template="${form.elements.language.value}"]`);
+    return syntaxOf(library, template?.dataset.syntax);
+  };
   const state = library.EditorState.create({
     doc: area.value,
     extensions: extensions(library, language.of(selected()), marks, area),

@@ -4,8 +4,6 @@
 const URL_READ = "/api/v1/checks?run=false&wait=0";
 const PAUSE_MS = 1200; // after the last change in the editor
 const PREFIX = "parameters.";
-// Other programs are not sent: a declaration has one of these words; binaries and archives may.
-const DECLARES = /PARAMETERS|@parameter/;
 
 function element(tag, attributes = {}, ...children) {
   const created = document.createElement(tag);
@@ -59,6 +57,8 @@ export function startParameters(form, benchmark, programFile) {
   if (!box || !form.querySelector("#own-program")) return;
   const fields = box.querySelector("[data-fields]");
   const card = box.closest("[data-own-program]");
+  const packed = box.dataset.packed.split(" "); // endings of files that are no texts
+  const declaring = box.dataset.declaring.split(" "); // a text without one of these words declares nothing
   let wanted = 0;
   let pause = 0;
 
@@ -82,10 +82,13 @@ export function startParameters(form, benchmark, programFile) {
     const sequence = ++wanted;
     const program = programFile(form);
     if (!program) return;
-    const isText = program.size < 2 * 1024 * 1024 && !/\.(zip|tar|gz|tgz|fmu)$/i.test(program.name);
-    if (isText && !DECLARES.test(await program.text())) {
-      if (sequence === wanted) show([]);
-      return;
+    const name = program.name.toLowerCase();
+    if (program.size < 2 * 1024 * 1024 && !packed.some((ending) => name.endsWith(ending))) {
+      const text = await program.text();
+      if (!declaring.some((word) => text.includes(word))) {
+        if (sequence === wanted) show([]);
+        return;
+      }
     }
     const body = new FormData();
     body.set("run", JSON.stringify({ benchmark }));
