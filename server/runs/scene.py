@@ -62,7 +62,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
 
 
 def vehicle_shape(vehicle: Vehicle) -> dict[str, Any]:
-    """Return hull and thrusters of a vehicle as JSON."""
+    """Return hull, thrusters and looks of a vehicle as JSON."""
     return {
         "name": vehicle.name,
         "title": vehicle.title,
@@ -75,6 +75,17 @@ def vehicle_shape(vehicle: Vehicle) -> dict[str, Any]:
             for one in vehicle.thrusters
         ],
         "thrust_max": max(vehicle.curve.limits.value),
+        "solids": [
+            {
+                "shape": one.shape,
+                "size": one.size,
+                "centre": one.centre,
+                "colour": one.paint.colour,
+                "livery": one.paint.livery,
+            }
+            for one in vehicle.drawn()
+        ],
+        "nozzle_radius": vehicle.nozzle_radius_m,
     }
 
 

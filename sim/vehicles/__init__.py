@@ -14,6 +14,7 @@ import numpy as np
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.registry import VEHICLES
+from seamark.sim.vehicles.solids import YELLOW, Solid
 
 Tag = Literal["S", "D", "E"]
 
@@ -88,7 +89,8 @@ class Vehicle:
 
     `added_mass`, `drag_linear` and `drag_quadratic` are groups that together have six numbers:
     x, y, z, roll, pitch, yaw. They are positive; Fossen's derivatives are their negatives.
-    `defaults` are configuration values that are set when this vehicle is chosen.
+    `defaults` are configuration values that are set when this vehicle is chosen. `solids` and
+    `nozzle_radius_m` are what it looks like, without effect on a run.
     """
 
     name: str
@@ -109,6 +111,8 @@ class Vehicle:
     lag: Quantity
     hull: tuple[HullBox, ...]
     defaults: Mapping[str, object] = field(default_factory=dict)
+    solids: tuple[Solid, ...] = ()  # none: its hull boxes
+    nozzle_radius_m: float = 0.05  # of its thrusters
 
     def quantities(self) -> Iterator[tuple[str, Quantity]]:
         """Yield every number of the vehicle with a readable name, for tables and manifests."""
@@ -175,6 +179,12 @@ class Vehicle:
             (x, y, z), (a, b, c) = thruster.position.value, thruster.direction
             matrix[:, i] = a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
         return matrix
+
+    def drawn(self) -> tuple[Solid, ...]:
+        """Return what it looks like: its solids, or its hull boxes."""
+        boxes = ((box.size.value, box.centre.value) for box in self.hull)
+        hull = (Solid("box", (a, b, c), (x, y, z), YELLOW) for (a, b, c), (x, y, z) in boxes)
+        return self.solids or tuple(hull)
 
     def hull_radius(self) -> float:
         """Return the radius [m] of the sphere about the origin that contains the whole hull."""

@@ -5,7 +5,10 @@ positions are those of the simulation model that ArduSub is tested with. The ori
 of gravity.
 """
 
+from collections.abc import Iterator
+
 from seamark.sim.vehicles import HullBox, Quantity, Tag, ThrustCurve, Thruster, Vehicle
+from seamark.sim.vehicles.solids import BLUE, DARK, FOAM, GLASS, WHITE, Solid
 
 _TANK = "von Benzon et al. 2022, J. Mar. Sci. Eng. 10(12) 1898"
 _POSITIONS = "clydemcqueen/bluerov2_gz bb03343, models/bluerov2_heavy/model.sdf"
@@ -13,6 +16,7 @@ _MAKER = "Blue Robotics, T200 at 16 V: 5.25 kgf forward, 4.10 kgf reverse"
 _GRAVITY = 9.82  # [m/s²] as in the source
 _DIAGONAL = 0.7071067811865476
 _FORWARD, _REVERSE = 51.5, 40.2
+_LENGTH, _WIDTH, _HEIGHT = _FRAME_SIZE = (0.4571, 0.575, 0.2539)  # [m]
 
 
 def _quantity(
@@ -30,6 +34,19 @@ def _flat(name: str, x: float, y: float, sideways: float) -> Thruster:
 def _upright(name: str, x: float, y: float) -> Thruster:
     position = _quantity("position of the thruster", (x, y, -0.064), "m", _POSITIONS)
     return Thruster(name=name, position=position, direction=(0.0, 0.0, 1.0))
+
+
+def _side(y: float) -> Iterator[Solid]:
+    """Yield the parts at one side: -1 port, 1 starboard."""
+    side = 0.17 * y
+    yield Solid("box", (_LENGTH, 0.012, 0.42 * _HEIGHT), (0.0, side, 0.28 * _HEIGHT), BLUE)
+    for x in (0.42 * _LENGTH, -0.42 * _LENGTH):
+        yield Solid("box", (0.05, 0.012, 0.6 * _HEIGHT), (x, side, 0.0), BLUE)
+    yield Solid("box", (0.82 * _LENGTH, 0.1, 0.07), (0.0, 0.12 * y, -0.4 * _HEIGHT), FOAM)
+    outrigger = 0.36 * _WIDTH * y  # of the heave thrusters
+    yield Solid("box", (0.5 * _LENGTH, 0.03, 0.03), (0.0, outrigger, -0.03), DARK)
+    for x in (-0.118, 0.118):
+        yield Solid("box", (0.03, 0.1, 0.03), (x, 0.2 * y, -0.03), DARK)
 
 
 VEHICLE = Vehicle(
@@ -83,10 +100,16 @@ VEHICLE = Vehicle(
         HullBox(
             name="frame",
             centre=_quantity("centre of the frame", (0.0, 0.0, 0.0), "m", _MAKER, "E"),
-            size=_quantity(
-                "box around the frame", (0.4571, 0.575, 0.2539), "m", "Blue Robotics, drawing"
-            ),
+            size=_quantity("box around the frame", _FRAME_SIZE, "m", "Blue Robotics, drawing"),
         ),
+    ),
+    solids=(
+        *_side(-1.0),
+        *_side(1.0),
+        Solid("cylinder", (0.62 * _LENGTH, 0.114, 0.114), (0.0, 0.0, -0.02), GLASS),
+        Solid("sphere", (0.114, 0.114, 0.114), (0.31 * _LENGTH, 0.0, -0.02), WHITE),
+        Solid("cylinder", (0.5 * _LENGTH, 0.088, 0.088), (0.0, 0.0, 0.08), DARK),
+        Solid("box", (0.8 * _LENGTH, 0.34, 0.012), (0.0, 0.0, 0.47 * _HEIGHT), BLUE),
     ),
     defaults={
         # From 0.33 m/s on the Munk moment (Z_w - X_u) u² exceeds the righting moment of 1.3 N m.

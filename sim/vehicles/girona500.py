@@ -5,7 +5,10 @@ the real vehicle. The origin is COLA2's base link; the arms of its thruster matr
 they are, so surge and heave thrusters act in the planes through the origin.
 """
 
+from collections.abc import Iterator
+
 from seamark.sim.vehicles import HullBox, Quantity, ThrustCurve, Thruster, Vehicle
+from seamark.sim.vehicles.solids import DARK, METAL, YELLOW, Paint, Solid
 
 _STONEFISH = "Stonefish b21eb8e1, Tests/Data/girona500auv_full.scn"
 _COLA2 = "COLA2 controller parameters of the real vehicle (Iqua Robotics, ROS 2 port)"
@@ -20,6 +23,10 @@ _EFFECTIVE_INERTIA = (95.0, 110.0, 75.0)
 _SHIFT = _MASS * _CENTRE_OF_GRAVITY[2] ** 2  # [kg m²] parallel axis, roll and pitch
 _WEIGHT = 1403.0
 
+# Centres of the three hulls and their common size [m]
+_LOWER, _PORT, _STARBOARD = (-0.049, 0.0, 0.361), (-0.049, -0.35, -0.339), (-0.049, 0.35, -0.339)
+_LENGTH, _DIAMETER = 1.507, 0.306
+
 
 def _arm(meaning: str, position: tuple[float, float, float], source: str = _COLA2) -> Quantity:
     return Quantity(meaning=meaning, value=position, unit="m", tag="S", source=source)
@@ -33,12 +40,28 @@ def _hull(name: str, centre: tuple[float, float, float]) -> HullBox:
         ),
         size=Quantity(
             meaning="box around the hull",
-            value=(1.507, 0.306, 0.306),
+            value=(_LENGTH, _DIAMETER, _DIAMETER),
             unit="m",
             tag="S",
             source=_STONEFISH,
         ),
     )
+
+
+def _torpedo(centre: tuple[float, float, float], paint: Paint) -> Iterator[Solid]:
+    """Yield a hull with the two rings by which the frame holds it."""
+    yield Solid("capsule", (_LENGTH, _DIAMETER, _DIAMETER), centre, paint)
+    x, y, z = centre
+    for ahead in (0.45, -0.45):
+        around = 1.02 * _DIAMETER
+        yield Solid("cylinder", (0.05, around, around), (x + ahead, y, z), METAL)
+
+
+def _frame(x: float) -> Iterator[Solid]:
+    """Yield the bars between the three hulls."""
+    height = _LOWER[2] - _PORT[2]
+    yield Solid("box", (0.05, _STARBOARD[1] - _PORT[1], 0.05), (x, 0.0, _PORT[2]), METAL)
+    yield Solid("box", (0.05, 0.05, height), (x, 0.0, _PORT[2] + height / 2), METAL)
 
 
 VEHICLE = Vehicle(
@@ -210,8 +233,18 @@ VEHICLE = Vehicle(
         source="UWSim dynamics_g500.yaml; the real vehicle's was not found",
     ),
     hull=(
-        _hull("lower", (-0.049, 0.0, 0.361)),
-        _hull("port", (-0.049, -0.35, -0.339)),
-        _hull("starboard", (-0.049, 0.35, -0.339)),
+        _hull("lower", _LOWER),
+        _hull("port", _PORT),
+        _hull("starboard", _STARBOARD),
     ),
+    solids=(
+        *_torpedo(_LOWER, DARK),
+        *_torpedo(_PORT, YELLOW),
+        *_torpedo(_STARBOARD, YELLOW),
+        *_frame(-0.42),
+        *_frame(0.32),
+        Solid("box", (1.15, 0.04, 0.06), (0.0, 0.0, 0.0), METAL),
+        Solid("box", (0.2, 0.03, 0.16), (-0.62, 0.0, _LOWER[2] - 0.2), YELLOW),  # tail fin
+    ),
+    nozzle_radius_m=0.1,
 )

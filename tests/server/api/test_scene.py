@@ -1,9 +1,12 @@
 """The scene of a run and the pictures of its surfaces."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
+from seamark.server.runs.scene import vehicle_shape
 from seamark.sim.camera.seabed import TILE, texels
 from seamark.sim.vehicles import load
 from tests.server.api.conftest import Site
@@ -94,3 +97,11 @@ def test_the_camera_image_without_outlines_is_the_bare_image(site: Site) -> None
     image = cv2.imdecode(np.frombuffer(bare, np.uint8), 1)
     assert image is not None
     assert not (image == 255).all(axis=2).any()
+
+
+def test_a_vehicle_without_solids_of_its_own_is_drawn_as_its_hull() -> None:
+    plain = replace(load("bluerov2-heavy"), solids=())
+
+    (frame,) = vehicle_shape(plain)["solids"]
+
+    assert (frame["shape"], frame["size"]) == ("box", plain.hull[0].size.value)
