@@ -15,10 +15,9 @@ from redis import Redis
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
 from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
 from tests.cast import Backend
-from tests.services import postgres, s3, valkey
+from tests.services import postgres, s3, tables, valkey
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -99,6 +98,21 @@ def postgres_url(_postgres: str) -> Iterator[str]:
         yield url
 
 
+@pytest.fixture(scope="session")
+def _postgres_tables(_postgres: str) -> Iterator[str]:
+    with postgres.database(_postgres, "tables") as url:
+        tables.migrate(url)
+        yield "tables"
+
+
+@pytest.fixture
+def postgres_tables_url(_postgres: str, _postgres_tables: str) -> Iterator[str]:
+    """The URL of a PostgreSQL database with tables, for `tables.adopt`."""
+    name = f"t{uuid.uuid4().hex}"
+    with postgres.database(_postgres, name, template=_postgres_tables) as url:
+        yield url
+
+
 @pytest.fixture
 def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
     """Settings of a service with its own data folder, database and broker."""
@@ -117,7 +131,7 @@ def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
 @pytest.fixture
 def database(settings: Settings) -> Iterator[Database]:
     """The SQLite database of `settings`, with tables."""
-    upgrade(settings)
+    tables.create(settings)
     opened = Database(settings.database_url)
     yield opened
     opened.close()

@@ -94,9 +94,9 @@ def server(*, durable: bool = False) -> Iterator[Server]:
 
 
 @contextmanager
-def database(folder: str, name: str) -> Iterator[str]:
-    """Yield the URL of a new, empty database."""
-    _sql(folder, f'CREATE DATABASE "{name}"')
+def database(folder: str, name: str, *, template: str = "template1") -> Iterator[str]:
+    """Yield the URL of a new database: a copy of `template`, to which nobody may be connected."""
+    _sql(folder, f'CREATE DATABASE "{name}" TEMPLATE "{template}"')
     try:
         yield f"postgresql+psycopg://postgres@/{name}?host={folder}"
     finally:

@@ -24,6 +24,7 @@ from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
 from tests.cast import Backend
+from tests.services import tables
 from tests.worker.processes import command_line
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
@@ -158,6 +159,7 @@ def running(_bare: Service) -> Service:
 @pytest.fixture
 def service(settings: Settings) -> Iterator[Service]:
     """A service on SQLite and a Unix socket, without a worker yet."""
+    tables.create(settings)
     made = service_with(settings.model_copy(update=QUICK))
     yield made
     made.close()

@@ -18,7 +18,7 @@ from seamark.server.database.engine import Database
 from seamark.server.objects import MARK
 from seamark.server.result_code import result_code
 from seamark.server.settings import Settings
-from tests.services import faulty_s3, s3
+from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
 from tests.services.ports import free_port
 
@@ -37,7 +37,7 @@ def _bad(settings: Settings) -> dict[str, str]:
 def service(settings: Settings) -> Settings:
     """A service in order, in its data folder."""
     settings = Settings.model_validate(settings.model_dump() | {"seed_key": "", "secret_key": ""})
-    schema.upgrade(settings)
+    tables.create(settings)
     return settings
 
 

@@ -16,7 +16,7 @@ from seamark.server.checks import queue as check_queue
 from seamark.server.database import worker_role
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import RunNotice
-from seamark.server.database.schema import check_all, upgrade
+from seamark.server.database.schema import check_all
 from seamark.server.database.tables import Best, Worker
 from seamark.server.programs import store
 from seamark.server.runs import best_runs, disk_usage, retention
@@ -26,6 +26,7 @@ from seamark.server.runs.retention import Sweep
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from tests.cast import Backend
+from tests.services import tables
 
 ROLE = "seamark_worker"
 WITHHELD = {
@@ -59,11 +60,11 @@ REFUSED = (
 
 
 @pytest.fixture
-def service(settings: Settings, postgres_url: str) -> Iterator[Backend]:
+def service(settings: Settings, postgres_tables_url: str) -> Iterator[Backend]:
     """The cast on PostgreSQL, with a role for workers."""
-    settings = settings.model_copy(update={"database_url": postgres_url})
-    upgrade(settings)
-    database = Database(postgres_url)
+    settings = settings.model_copy(update={"database_url": postgres_tables_url})
+    tables.adopt(settings)
+    database = Database(postgres_tables_url)
     with database.engine.begin() as connection:
         connection.execute(text(f"DROP ROLE IF EXISTS {ROLE}"))
         connection.execute(text(f"CREATE ROLE {ROLE} LOGIN"))

@@ -56,10 +56,10 @@ def inbox() -> Iterator[tuple[Inbox, str]]:
 
 
 @pytest.fixture
-def post(copied_backend: Backend, inbox: tuple[Inbox, str]) -> Post:
+def post(backend: Backend, inbox: tuple[Inbox, str]) -> Post:
     received, url = inbox
-    settings = with_mail(copied_backend.settings, url)
-    return Post(copied_backend.database, settings, copied_backend.viewers, received)
+    settings = with_mail(backend.settings, url)
+    return Post(backend.database, settings, backend.viewers, received)
 
 
 def rows(post: Backend, table: type) -> int:

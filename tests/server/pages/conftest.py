@@ -87,10 +87,10 @@ def provider() -> Iterator[Provider]:
 
 
 @pytest.fixture
-def federated(copied_backend: Backend, provider: Provider) -> Iterator[Site]:
+def federated(backend: Backend, provider: Provider) -> Iterator[Site]:
     """The site with an identity provider; ann has a password."""
-    with copied_backend.database.writing() as session:
+    with backend.database.writing() as session:
         accounts.change_password(session, "ann", WORDS)
-    made = with_settings(copied_backend, provider)
+    made = with_settings(backend, provider)
     yield made
     made.app.extensions["seamark"].close()

@@ -84,11 +84,11 @@ def test_a_disabled_account_is_not_signed_in(federated: Site) -> None:
 
 
 def test_signing_up_by_the_provider_has_a_setting_of_its_own(
-    copied_backend: Backend, provider: Provider
+    backend: Backend, provider: Provider
 ) -> None:
     statuses = {}
     for mode in ("closed", "invitation", "open"):
-        site = with_settings(copied_backend, provider, sign_up="closed", oidc_sign_up=mode)
+        site = with_settings(backend, provider, sign_up="closed", oidc_sign_up=mode)
         provider.person = Person(mode)
         browser = site.browser()
         sign_in(browser)
@@ -211,8 +211,8 @@ def test_closing_an_account_forgets_its_identity(
 
 
 @pytest.mark.parametrize("path", ["/sign-in/provider", "/sign-up/provider", "/account/identity"])
-def test_without_a_provider_there_is_no_page_about_one(copied_backend: Backend, path: str) -> None:
-    client = create_app(copied_backend.settings).test_client()
+def test_without_a_provider_there_is_no_page_about_one(backend: Backend, path: str) -> None:
+    client = create_app(backend.settings).test_client()
 
     assert client.get(path).status_code == 404
     assert "provider" not in client.get("/sign-in").text

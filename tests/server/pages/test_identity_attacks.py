@@ -57,14 +57,14 @@ def test_a_token_that_is_not_for_this_sign_in_signs_nobody_in(
 
 @pytest.mark.parametrize("attack", ["another key", "HS256", "none"])
 def test_a_token_that_the_provider_has_not_signed_signs_nobody_in(
-    copied_backend: Backend, federated: Site, provider: Provider, attack: str
+    backend: Backend, federated: Site, provider: Provider, attack: str
 ) -> None:
     create(federated)
     if attack == "another key":
         true = provider.key
         provider.key = oidc.new_key("another")
         provider.change_metadata = lambda known: known | {"jwks": {"keys": [true.as_dict()]}}
-        federated = with_settings(copied_backend, provider)
+        federated = with_settings(backend, provider)
     else:
         provider.signs = attack
 
@@ -134,10 +134,8 @@ def test_signing_in_never_leads_to_another_site(federated: Site) -> None:
     assert {sign_in(federated.browser(), each).headers["Location"] for each in evil} == {"/"}
 
 
-def test_a_provider_that_is_away_is_said_on_a_page(
-    copied_backend: Backend, provider: Provider
-) -> None:
-    site = with_settings(copied_backend, provider, oidc_issuer="http://127.0.0.1:1")
+def test_a_provider_that_is_away_is_said_on_a_page(backend: Backend, provider: Provider) -> None:
+    site = with_settings(backend, provider, oidc_issuer="http://127.0.0.1:1")
 
     answer = site.browser().get("/sign-in/provider")
 
@@ -146,10 +144,10 @@ def test_a_provider_that_is_away_is_said_on_a_page(
 
 
 def test_a_provider_that_is_silent_is_not_waited_for(
-    copied_backend: Backend, provider: Provider, monkeypatch: pytest.MonkeyPatch
+    backend: Backend, provider: Provider, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(identity_provider, "TIMEOUT_S", 0.2)
-    site = with_settings(copied_backend, provider)
+    site = with_settings(backend, provider)
     provider.pause_s = 1.0
 
     answer = site.browser().get("/sign-in/provider")
@@ -162,10 +160,10 @@ def test_a_provider_that_is_silent_is_not_waited_for(
     "change", [_other(issuer="http://127.0.0.1:2"), _without("token_endpoint")]
 )
 def test_metadata_of_another_provider_sends_nobody_away(
-    copied_backend: Backend, provider: Provider, change: Any
+    backend: Backend, provider: Provider, change: Any
 ) -> None:
     provider.change_metadata = change
-    site = with_settings(copied_backend, provider)
+    site = with_settings(backend, provider)
 
     browser = site.browser()
     answer = browser.get("/sign-in/provider")

@@ -13,7 +13,6 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.checks import queue as check_queue
 from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.runs import baselines, start_order
@@ -24,16 +23,17 @@ from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.service.maintenance import Recoverer
 from tests.cast import Backend
+from tests.services import tables
 
 CLAIMERS = 8
 PATIENCE_S = 60.0
 
 
 @pytest.fixture
-def backend(settings: Settings, postgres_url: str) -> Iterator[Backend]:
+def backend(settings: Settings, postgres_tables_url: str) -> Iterator[Backend]:
     """The cast on PostgreSQL."""
-    settings = settings.model_copy(update={"database_url": postgres_url})
-    upgrade(settings)
+    settings = settings.model_copy(update={"database_url": postgres_tables_url})
+    tables.adopt(settings)
     database = Database(settings.database_url)
     yield Backend.with_cast(database, settings)
     database.close()

@@ -13,7 +13,6 @@ from sqlalchemy import func, select
 from seamark.mission_logs.result import LogResult
 from seamark.server import objects
 from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Result, Run
 from seamark.server.runs import mission_logs, run_objects, staging, stored_files
 from seamark.server.runs.quota import QuotaExceeded
@@ -23,7 +22,7 @@ from seamark.sim import registry
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 from tests.cast import Backend
-from tests.services import s3
+from tests.services import s3, tables
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +134,7 @@ def on_s3(settings: Settings, s3_server: s3.Server, tmp_path: Path) -> Iterator[
     """The cast on a service that keeps its files in S3."""
     shared = s3_server.settings(tmp_path.name) | {"seed_key": "of the tests"}
     chosen = Settings.model_validate(settings.model_dump() | shared)
-    upgrade(chosen)
+    tables.create(chosen)
     database = Database(chosen.database_url)
     yield Backend.with_cast(database, chosen)
     database.close()

@@ -11,7 +11,6 @@ from redis import Redis
 
 from seamark.server import storage
 from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.messaging import broker, live_data
 from seamark.server.runs.files import HEAD_MAX, RunFiles
 from seamark.server.streams import listener
@@ -19,7 +18,7 @@ from seamark.server.streams.hub import Hub
 from seamark.worker.service import run_upload
 from seamark.worker.service.run_upload import RunUpload
 from tests.cast import Backend
-from tests.services import s3
+from tests.services import s3, tables
 from tests.services.machines import Machines, numbered_rows
 from tests.services.viewer import DEADLINE_S, Viewer
 
@@ -31,7 +30,7 @@ class Watched(Machines):
 
     def __init__(self, folder: Path, shared: dict[str, Any]) -> None:
         super().__init__(folder, shared)
-        upgrade(self.web)
+        tables.create(self.web)
         self.database = Database(self.web.database_url)
         claim = Backend.with_cast(self.database, self.web).running("ann")
         self.run_id, self.attempt = claim.run_id, claim.attempt

@@ -14,7 +14,6 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import meters, objects
 from seamark.server.checks import queue as checks
 from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
 from seamark.server.runs import stored_files
 from seamark.server.runs.queue import Claim
@@ -29,7 +28,7 @@ from seamark.worker.service.claimed_run import evaluate
 from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
-from tests.services import faulty_s3, s3
+from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
 from tests.worker.conftest import SHORT
 
@@ -62,7 +61,7 @@ def backend(
     shared = s3_server.settings(tmp_path.name) | {"storage_endpoint": storage.endpoint}
     short = {"lease_s": LEASE_S, "heartbeat_s": LEASE_S / 4}
     settings = Settings.model_validate(settings.model_dump() | shared | short)
-    upgrade(settings)
+    tables.create(settings)
     database = Database(settings.database_url)
     yield Backend.with_cast(database, settings)
     database.close()
