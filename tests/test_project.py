@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("sandbox", "sim", "server", "worker", "templates", "migrations")
-FOREIGN = {".venv", ".boot", "data"}
+FOREIGN = {".venv", ".boot", "node_modules", "data"}
 TESTED = ("performance", "sandbox", "seamark", "server", "sim", "worker")
 
 

@@ -151,17 +151,8 @@ def test_the_axis_of_distances_becomes_logarithmic_and_stays_so_after_a_reload(
     logarithmic = _settled(axis)
     page.reload()
     expect(box).to_be_checked()
-    low, high = page.evaluate(
-        """async () => {
-          const { drawable, yScale } = await import("/static/js/player/chart_scales.js");
-          const lost = drawable([0, 0.5, null], true);
-          if (lost[0] !== null || lost[1] !== 0.5) return [];
-          return yScale(true).range(null, 0.0, 20.0);
-        }"""
-    )
 
     assert logarithmic != linear
-    assert (low, high) == (pytest.approx(0.001), pytest.approx(20.0 * 20_000**0.28))
     assert visitor.errors == []
 
 

@@ -42,7 +42,9 @@ function announce(button, text) {
   const before = label.textContent;
   label.textContent = text;
   button.setAttribute("aria-live", "polite");
-  setTimeout(() => { label.textContent = before; }, 1800);
+  setTimeout(() => {
+    label.textContent = before;
+  }, 1800);
 }
 
 document.addEventListener("click", (event) => {

@@ -1,10 +1,12 @@
 // Charts with one line per run over simulated time, for the columns that are chosen.
-import { lastUntil, short } from "../player/chart_plot.js";
+import { linearRange } from "../player/chart_scales.js";
 import { colour } from "../player/colours.js";
+import { short } from "../player/formatting.js";
+import { valueAt } from "../player/samples.js";
 
 const HEIGHT = 180;
 const INITIAL = 3; // number of charts shown initially
-const END_S = 1; // so long after its last row a run still has its last values
+const ROOM = 0.2; // above the lines, for the names of the levels
 const uPlot = window.uPlot;
 
 // The colour of a run, and a dash so that lines differ without colours too.
@@ -36,16 +38,18 @@ export class OverlaidCharts {
 
   listChoices() {
     const list = document.querySelector("[data-chart-choices]");
-    list.replaceChildren(...this.data.charts.map((chart) => {
-      const label = document.createElement("label");
-      const box = document.createElement("input");
-      label.className = "check";
-      box.type = "checkbox";
-      box.checked = this.chosen.has(chart);
-      box.addEventListener("change", () => this.choose(chart, box));
-      label.append(box, ` ${chart.title} [${chart.unit}]`);
-      return label;
-    }));
+    list.replaceChildren(
+      ...this.data.charts.map((chart) => {
+        const label = document.createElement("label");
+        const box = document.createElement("input");
+        label.className = "check";
+        box.type = "checkbox";
+        box.checked = this.chosen.has(chart);
+        box.addEventListener("change", () => this.choose(chart, box));
+        label.append(box, ` ${chart.title} [${chart.unit}]`);
+        return label;
+      }),
+    );
   }
 
   choose(chart, box) {
@@ -84,20 +88,41 @@ export class OverlaidCharts {
     target.setAttribute("role", "img");
     const runs = this.data.runs.map(({ id }) => id).join(", ");
     target.setAttribute("aria-label", `${chart.title} in ${chart.unit} over simulated time, runs ${runs}`);
-    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
-    const plot = new uPlot({
-      width: this.width(),
-      height: HEIGHT,
-      cursor: { sync: { key: "compare" }, drag: { x: true, y: false } },
-      legend: { show: false },
-      scales: { x: { time: false, range: (_plot, min, max) => [min ?? 0, max ?? this.data.trial_s] }, y: { range: (_plot, min, max) => yRange(min, max) } },
-      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
-      series: [{}, ...this.data.runs.map(({ id }, index) => ({
-        label: `#${id}`, stroke: colour(COLOURS[index]), dash: DASHES[index], width: 1.5, points: { show: false },
-      }))],
-      plugins: [this.levelsPlugin()],
-      hooks: { setCursor: [(self) => this.showValues(self, chart, readout)] },
-    }, [[], ...this.data.runs.map(() => [])], target);
+    const axis = {
+      stroke: colour("--text-2"),
+      grid: { stroke: colour("--chart-grid"), width: 1 },
+      ticks: { show: false },
+    };
+    const plot = new uPlot(
+      {
+        width: this.width(),
+        height: HEIGHT,
+        cursor: { sync: { key: "compare" }, drag: { x: true, y: false } },
+        legend: { show: false },
+        scales: {
+          x: { time: false, range: (_plot, min, max) => [min ?? 0, max ?? this.data.trial_s] },
+          y: { range: (_plot, min, max) => linearRange(min, max, ROOM) },
+        },
+        axes: [
+          { ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 },
+          { ...axis, size: 56 },
+        ],
+        series: [
+          {},
+          ...this.data.runs.map(({ id }, index) => ({
+            label: `#${id}`,
+            stroke: colour(COLOURS[index]),
+            dash: DASHES[index],
+            width: 1.5,
+            points: { show: false },
+          })),
+        ],
+        plugins: [this.levelsPlugin()],
+        hooks: { setCursor: [(self) => this.showValues(self, chart, readout)] },
+      },
+      [[], ...this.data.runs.map(() => [])],
+      target,
+    );
     const line = document.createElement("i");
     line.className = "chart-playhead";
     line.hidden = true;
@@ -142,7 +167,8 @@ export class OverlaidCharts {
     ctx.fillStyle = colour("--text-2");
     ctx.textAlign = "left";
     ctx.textBaseline = "alphabetic";
-    if (ctx.measureText(`${name}  `).width < width) ctx.fillText(name, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+    if (ctx.measureText(`${name}  `).width < width)
+      ctx.fillText(name, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
     ctx.restore();
   }
 
@@ -153,7 +179,7 @@ export class OverlaidCharts {
     const t = hovered ?? this.playhead.t;
     const parts = this.series.map((series, index) => {
       const part = document.createElement("span");
-      part.textContent = `#${series.run} ${short(valueAt(series, chart.column, t))}`;
+      part.textContent = `#${series.run} ${short(valueAt({ t: series.t, values: series.columns }, chart.column, t))}`;
       part.style.color = colour(COLOURS[index]);
       return part;
     });
@@ -187,18 +213,4 @@ export class OverlaidCharts {
     for (const { plot } of this.shown) plot.setSize({ width: this.width(), height: HEIGHT });
     this.mark();
   }
-}
-
-// Leaves room above the lines for the names of the levels.
-function yRange(min, max) {
-  if (min === null || max === null) return [0, 1];
-  const span = Math.max(max - min, 1e-6);
-  const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
-  return [base, max + 0.2 * span];
-}
-
-// The value at or before time `t`; null after the end.
-function valueAt({ t: times, columns }, column, t) {
-  if (!times.length || t > times[times.length - 1] + END_S) return null;
-  return columns[column]?.[lastUntil(times, t)] ?? null;
 }

@@ -1,6 +1,6 @@
 // The vehicles of all runs in one scene: the first run is followed, the others are ghosts.
 import { Memory } from "../player/memory.js";
-import { rowColumns, Rows } from "../player/rows.js";
+import { Rows, rowColumns } from "../player/rows.js";
 import { SceneBox } from "../player/scene_box.js";
 
 const TRAIL_S = 20; // of simulated time at speed 1
@@ -25,7 +25,8 @@ export class Ghosts {
   setParts(series, trial) {
     series.forEach(({ run, start_s: start, t }, index) => {
       this.runs[index].part = start === null ? null : { trial, start, length: t[t.length - 1] };
-      if (!index && start === null) this.note.textContent = `The scene follows run ${run}, which has no telemetry here.`;
+      if (!index && start === null)
+        this.note.textContent = `The scene follows run ${run}, which has no telemetry here.`;
     });
     this.show();
   }

@@ -1,5 +1,5 @@
 // Runs side by side: scene, cameras and charts with one playhead. Its address always shows what is shown.
-import { clockText } from "../player/bar.js";
+import { clockText } from "../player/formatting.js";
 import { Playhead, SPEEDS } from "../player/playhead.js";
 import { Cameras } from "./cameras.js";
 import { OverlaidCharts } from "./charts.js";
@@ -15,7 +15,11 @@ const query = new URLSearchParams(location.search);
 const playhead = new Playhead({ duration: data.trial_s });
 const number = (name) => (query.has(name) && Number.isFinite(Number(query.get(name))) ? Number(query.get(name)) : null);
 
-playhead.restore({ trial: Math.min(number("trial") ?? 0, data.trials - 1), t: number("t") ?? 0, speed: number("speed") ?? 1 });
+playhead.restore({
+  trial: Math.min(number("trial") ?? 0, data.trials - 1),
+  t: number("t") ?? 0,
+  speed: number("speed") ?? 1,
+});
 const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").split(","));
 const cameras = new Cameras(data, playhead);
 const ghosts = new Ghosts(root, data, playhead);
@@ -25,7 +29,8 @@ let frame = null; // the next animation frame, while playing
 let before = null; // time of the previous one [ms]
 
 if (part("trial")) part("trial").value = String(playhead.trial);
-if (levelSelect && number("level") !== null && number("level") < data.levels.length) levelSelect.value = String(number("level"));
+if (levelSelect && number("level") !== null && number("level") < data.levels.length)
+  levelSelect.value = String(number("level"));
 
 function level() {
   return levelSelect?.value ? Number(levelSelect.value) : null;
@@ -35,7 +40,9 @@ async function load() {
   const sequence = ++requested;
   const columns = charts.columns().join(",") || "t"; // the times tell where each run has data
   const chosen = level() === null ? "" : `&level=${level()}`;
-  const response = await fetch(`${data.api}&columns=${columns}&trial=${playhead.trial}${chosen}&max_points=${POINTS_MAX}`);
+  const response = await fetch(
+    `${data.api}&columns=${columns}&trial=${playhead.trial}${chosen}&max_points=${POINTS_MAX}`,
+  );
   if (sequence !== requested) return;
   part("message").textContent = response.ok ? "" : "The telemetry could not be loaded. Reload the page to try again.";
   if (!response.ok) return;
@@ -74,7 +81,8 @@ function advance(now) {
 let scheduled = null;
 
 function writeAddress() {
-  scheduled ??= setTimeout(() => {
+  if (scheduled !== null) return;
+  scheduled = setTimeout(() => {
     scheduled = null;
     const chosen = new URLSearchParams();
     if (playhead.trial) chosen.set("trial", playhead.trial);
@@ -87,7 +95,9 @@ function writeAddress() {
   }, ADDRESS_MS);
 }
 
-part("speed").append(...SPEEDS.map((speed) => new Option(`${speed}×`.replace("0.25", "¼").replace("0.5", "½"), String(speed))));
+part("speed").append(
+  ...SPEEDS.map((speed) => new Option(`${speed}×`.replace("0.25", "¼").replace("0.5", "½"), String(speed))),
+);
 part("play").addEventListener("click", () => playhead.toggle());
 part("time").addEventListener("input", () => playhead.seek(Number(part("time").value)));
 part("speed").addEventListener("change", () => playhead.setSpeed(Number(part("speed").value)));

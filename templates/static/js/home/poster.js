@@ -5,5 +5,7 @@ export async function posterShown(root) {
   const poster = root.querySelector(".poster");
   if (!poster) return;
   await poster.decode().catch(() => {});
-  await new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+  await new Promise((done) => {
+    requestAnimationFrame(() => setTimeout(done));
+  });
 }

@@ -1,7 +1,7 @@
 // The looping replay of a run on the home page and on leaderboards. three.js is loaded when it comes into sight.
-import { clockText } from "../player/bar.js";
+import { clockText } from "../player/formatting.js";
 import { Playhead } from "../player/playhead.js";
-import { rowColumns, Rows } from "../player/rows.js";
+import { Rows, rowColumns } from "../player/rows.js";
 import { SceneBox } from "../player/scene_box.js";
 import { posterShown } from "./poster.js";
 

@@ -1,18 +1,19 @@
 // The player bar: play and pause, the slider, speed, and jumps. It works by keyboard alone.
+import { clockText } from "./formatting.js";
 
 const STEP_S = 1;
 const LEAP_S = 10;
 const LOST = "The target was never lost.";
-const NEVER = { error: "No data yet.", "first-loss": LOST, "next-loss": LOST, touch: "The vehicle never touched anything." };
-
-export function clockText(t) {
-  if (t < 60) return `${t.toFixed(2)} s`;
-  const minutes = Math.floor(t / 60);
-  return `${minutes}:${(t - 60 * minutes).toFixed(1).padStart(4, "0")} min`;
-}
+const NEVER = {
+  error: "No data yet.",
+  "first-loss": LOST,
+  "next-loss": LOST,
+  touch: "The vehicle never touched anything.",
+};
 
 export class Bar {
-  // levelText: row -> what the level is called; moments: () -> promise of moments.json; keys: {key: action} beside its own
+  // levelText: row -> what the level is called; moments: () -> promise of moments.json;
+  // keys: {key: action} beside its own
   constructor(root, playhead, { levelLength, levelText, moments, step, fullScreen, keys }) {
     Object.assign(this, { root, playhead, levelLength, levelText, moments, step, fullScreen, keys });
     const parts = new Map();
@@ -85,14 +86,28 @@ export class Bar {
 
   onKey(event) {
     const { target, key, ctrlKey, metaKey, altKey } = event;
-    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, dialog[open], [contenteditable], .table-wrap, .log")) return;
+    if (
+      ctrlKey ||
+      metaKey ||
+      altKey ||
+      target.closest("input, select, textarea, summary, dialog[open], [contenteditable], .table-wrap, .log")
+    )
+      return;
     const { playhead } = this;
     const inControl = target.closest("button, a, canvas");
     const seek = (seconds) => playhead.seek(playhead.t + seconds);
     const actions = {
-      " ": () => playhead.toggle(), k: () => playhead.toggle(), f: () => this.fullScreen.toggle(),
-      j: () => seek(-LEAP_S), l: () => seek(LEAP_S), ",": () => seek(-this.step), ".": () => seek(this.step),
-      ArrowLeft: () => seek(-STEP_S), ArrowRight: () => seek(STEP_S), Home: () => playhead.seek(0), End: () => playhead.seek(playhead.newest),
+      " ": () => playhead.toggle(),
+      k: () => playhead.toggle(),
+      f: () => this.fullScreen.toggle(),
+      j: () => seek(-LEAP_S),
+      l: () => seek(LEAP_S),
+      ",": () => seek(-this.step),
+      ".": () => seek(this.step),
+      ArrowLeft: () => seek(-STEP_S),
+      ArrowRight: () => seek(STEP_S),
+      Home: () => playhead.seek(0),
+      End: () => playhead.seek(playhead.newest),
       ...this.keys,
     };
     if (!(key in actions) || (inControl && (key === " " || key.startsWith("Arrow")))) return;

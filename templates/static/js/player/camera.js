@@ -80,7 +80,9 @@ export class Camera {
         this.note.hidden = !this.image.hidden;
       }
       const took = performance.now() - begun;
-      const period = this.following ? Math.max(LIVE_PERIOD_MS, VIEWER_PERIOD_MS * this.viewers) : Math.max(PERIOD_MS, took);
+      const period = this.following
+        ? Math.max(LIVE_PERIOD_MS, VIEWER_PERIOD_MS * this.viewers)
+        : Math.max(PERIOD_MS, took);
       await new Promise((done) => setTimeout(done, Math.max(period - took, 0)));
     }
     this.busy = false;

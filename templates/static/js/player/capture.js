@@ -8,7 +8,11 @@ const BITS_PER_S = 5e6;
 const LONGEST_MS = 300_000; // a clip is kept in memory until it is saved
 // The first that the browser can write. H.264 in MP4 plays almost everywhere.
 const KINDS = [
-  ["video/mp4;codecs=avc1.42E01F", "mp4"], ["video/webm;codecs=vp9", "webm"], ["video/webm;codecs=vp8", "webm"], ["video/webm", "webm"], ["video/mp4", "mp4"],
+  ["video/mp4;codecs=avc1.42E01F", "mp4"],
+  ["video/webm;codecs=vp9", "webm"],
+  ["video/webm;codecs=vp8", "webm"],
+  ["video/webm", "webm"],
+  ["video/mp4", "mp4"],
 ];
 
 function canvasOf([width, height]) {
@@ -73,7 +77,10 @@ export class Capture {
     const chunks = [];
     const from = playhead.t.toFixed(1);
     if (!playhead.playing && !playhead.following) playhead.play();
-    this.recorder = new MediaRecorder(context.canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS_PER_S });
+    this.recorder = new MediaRecorder(context.canvas.captureStream(RATE), {
+      mimeType: type,
+      videoBitsPerSecond: BITS_PER_S,
+    });
     this.recorder.addEventListener("dataavailable", ({ data }) => chunks.push(data));
     this.recorder.addEventListener("stop", () => {
       save(new Blob(chunks, { type: type.split(";")[0] }), `${this.name}-${from}s.${ending}`);
@@ -86,7 +93,8 @@ export class Capture {
       const passed = performance.now() - begun;
       this.onRecording(passed / 1000);
       if (passed > LONGEST_MS) this.stop();
-      if (scene.view) scene.view.request(); // draws, and then `onDraw` with the canvas
+      if (scene.view)
+        scene.view.request(); // draws, and then `onDraw` with the canvas
       else draw(null);
       requestAnimationFrame(step);
     };

@@ -18,17 +18,24 @@ export class ChartChoice {
   listColumns() {
     const fields = this.form.querySelector("[data-columns]");
     const units = [...new Set(this.data.columns.map(({ unit }) => unit))];
-    fields.replaceChildren(...units.map((unit) => {
-      const group = document.createElement("fieldset");
-      const legend = document.createElement("legend");
-      legend.textContent = unit ? `[${unit}]` : "without unit";
-      group.append(legend, ...this.data.columns.filter((column) => column.unit === unit).map(({ name, meaning }) => {
-        const label = this.checkbox(name, name);
-        label.title = meaning;
-        return label;
-      }));
-      return group;
-    }));
+    fields.replaceChildren(
+      ...units.map((unit) => {
+        const group = document.createElement("fieldset");
+        const legend = document.createElement("legend");
+        legend.textContent = unit ? `[${unit}]` : "without unit";
+        group.append(
+          legend,
+          ...this.data.columns
+            .filter((column) => column.unit === unit)
+            .map(({ name, meaning }) => {
+              const label = this.checkbox(name, name);
+              label.title = meaning;
+              return label;
+            }),
+        );
+        return group;
+      }),
+    );
   }
 
   checkbox(text, value) {
@@ -56,15 +63,17 @@ export class ChartChoice {
 
   show() {
     const isSame = (a, b) => a.title === b.title && a.unit === b.unit && !a.own;
-    this.list.replaceChildren(...this.data.charts.map((chart) => {
-      const label = this.checkbox(`${chart.title} [${chart.unit}]`, chart.title);
-      const box = label.firstElementChild;
-      box.checked = this.charts.chosen.some((chosen) => isSame(chosen, chart));
-      box.addEventListener("change", () => {
-        const rest = this.charts.chosen.filter((chosen) => !isSame(chosen, chart));
-        this.charts.choose(box.checked ? [...rest, chart] : rest);
-      });
-      return label;
-    }));
+    this.list.replaceChildren(
+      ...this.data.charts.map((chart) => {
+        const label = this.checkbox(`${chart.title} [${chart.unit}]`, chart.title);
+        const box = label.firstElementChild;
+        box.checked = this.charts.chosen.some((chosen) => isSame(chosen, chart));
+        box.addEventListener("change", () => {
+          const rest = this.charts.chosen.filter((chosen) => !isSame(chosen, chart));
+          this.charts.choose(box.checked ? [...rest, chart] : rest);
+        });
+        return label;
+      }),
+    );
   }
 }

@@ -41,7 +41,11 @@ function drawLevels(plot, data, levelAt) {
     const level = levelAt(index);
     if (level === null) return;
     const value = names[level];
-    ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+    ctx.fillText(
+      fits ? `${value} ${data.level.unit}` : `${value}`,
+      x + 5 * devicePixelRatio,
+      bbox.top + 12 * devicePixelRatio,
+    );
   });
   ctx.restore();
 }
@@ -51,7 +55,8 @@ function drawMarks(plot, { losses, touches }) {
   const { ctx, bbox } = plot;
   const foot = bbox.top + bbox.height;
   const size = TICK_PX * devicePixelRatio;
-  const places = (times) => times.map((t) => plot.valToPos(t, "x", true)).filter((x) => x >= bbox.left && x <= bbox.left + bbox.width);
+  const places = (times) =>
+    times.map((t) => plot.valToPos(t, "x", true)).filter((x) => x >= bbox.left && x <= bbox.left + bbox.width);
   ctx.save();
   ctx.fillStyle = colour("--bad");
   for (const x of places(losses)) ctx.fillRect(x - devicePixelRatio, foot - size, 2 * devicePixelRatio, size);

@@ -2,17 +2,13 @@
 import { marksPlugin } from "./chart_marks.js";
 import { drawable, isDistance, yAxis, yScale } from "./chart_scales.js";
 import { colour, LINES } from "./colours.js";
+import { short } from "./formatting.js";
 import { paced } from "./paced.js";
+import { lastUntil } from "./samples.js";
 
 const HEIGHT = 190;
 const WIDTH_MIN = 200;
 const uPlot = window.uPlot;
-
-export function short(value) {
-  if (value === null || value === undefined) return "–";
-  const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
-  return text.replace("-", "−");
-}
 
 export class ChartPlot {
   // owner: range(), levelAt(index), marks(), logarithmic, onSeek(t), onZoom(from, to), remove(chart)
@@ -48,20 +44,37 @@ export class ChartPlot {
   }
 
   createPlot(target) {
-    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
-    this.plot = new uPlot({
-      width: this.width(),
-      height: HEIGHT,
-      cursor: { sync: { key: "run" }, drag: { x: true, y: false, setScale: false } },
-      legend: { show: false },
-      scales: { y: yScale(this.logarithmic), x: { time: false, range: () => this.owner.range() } },
-      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, yAxis(axis, this.logarithmic)],
-      series: [{}, ...this.chart.columns.map((name, index) => ({
-        label: name, stroke: colour(LINES[index % LINES.length]), width: 1.5, points: { show: false },
-      }))],
-      plugins: [marksPlugin(this.data, this.owner)],
-      hooks: { setCursor: [() => this.showValues()], setSelect: [(plot) => this.zoom(plot)] },
-    }, [[], ...this.chart.columns.map(() => [])], target);
+    const axis = {
+      stroke: colour("--text-2"),
+      grid: { stroke: colour("--chart-grid"), width: 1 },
+      ticks: { show: false },
+    };
+    this.plot = new uPlot(
+      {
+        width: this.width(),
+        height: HEIGHT,
+        cursor: { sync: { key: "run" }, drag: { x: true, y: false, setScale: false } },
+        legend: { show: false },
+        scales: { y: yScale(this.logarithmic), x: { time: false, range: () => this.owner.range() } },
+        axes: [
+          { ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 },
+          yAxis(axis, this.logarithmic),
+        ],
+        series: [
+          {},
+          ...this.chart.columns.map((name, index) => ({
+            label: name,
+            stroke: colour(LINES[index % LINES.length]),
+            width: 1.5,
+            points: { show: false },
+          })),
+        ],
+        plugins: [marksPlugin(this.data, this.owner)],
+        hooks: { setCursor: [() => this.showValues()], setSelect: [(plot) => this.zoom(plot)] },
+      },
+      [[], ...this.chart.columns.map(() => [])],
+      target,
+    );
     this.line = document.createElement("i");
     this.line.className = "chart-playhead";
     this.plot.over.append(this.line);
@@ -129,16 +142,4 @@ export class ChartPlot {
     this.plot.destroy();
     this.box.remove();
   }
-}
-
-// The index of the last time up to `t`; 0 before the first.
-export function lastUntil(times, t) {
-  let low = 0;
-  let high = times.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (times[middle] <= t + 1e-6) low = middle;
-    else high = middle - 1;
-  }
-  return Math.min(low, times.length - 1);
 }

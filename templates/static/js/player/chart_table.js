@@ -1,5 +1,5 @@
 // The data behind the charts as a table: the points around the playhead.
-import { short } from "./chart_plot.js";
+import { short } from "./formatting.js";
 
 const ROWS = 15;
 
@@ -17,12 +17,17 @@ export class ChartTable {
     const from = Math.max(Math.min(at - Math.floor(ROWS / 2), t.length - ROWS), 0);
     const head = this.table.tHead.rows[0];
     head.replaceChildren(...["t [s]", ...columns].map((name) => cell("th", name, "col")));
-    this.table.tBodies[0].replaceChildren(...t.slice(from, from + ROWS).map((time, index) => {
-      const row = document.createElement("tr");
-      if (from + index === at) row.className = "mine";
-      row.append(cell("th", time.toFixed(2), "row"), ...columns.map((name) => cell("td", short(values[name]?.[from + index]))));
-      return row;
-    }));
+    this.table.tBodies[0].replaceChildren(
+      ...t.slice(from, from + ROWS).map((time, index) => {
+        const row = document.createElement("tr");
+        if (from + index === at) row.className = "mine";
+        row.append(
+          cell("th", time.toFixed(2), "row"),
+          ...columns.map((name) => cell("td", short(values[name]?.[from + index]))),
+        );
+        return row;
+      }),
+    );
   }
 }
 

@@ -1,8 +1,9 @@
 // The charts of a run: which ones, in which unit, over which range, and their data at a level of detail
 // that fits the screen. The x axis of all charts is the same.
 import { ChartChoice } from "./chart_choice.js";
-import { ChartPlot, lastUntil } from "./chart_plot.js";
+import { ChartPlot } from "./chart_plot.js";
 import { isDistance } from "./chart_scales.js";
+import { appendRows, lastUntil, levelAt, noSamples, thinned } from "./samples.js";
 
 const INITIAL = 3; // number of charts shown initially
 const POINTS = 1600; // of a request: a few per pixel
@@ -12,13 +13,25 @@ const ZOOM_MIN_S = 0.5;
 
 export class Charts {
   constructor(root, data, memory) {
-    Object.assign(this, { data, memory, marked: null, moments: { losses: [], touches: [] }, trial: 0, zoomed: null, plots: [], onSeek: () => {}, onLoad: () => {} });
+    Object.assign(this, {
+      data,
+      memory,
+      marked: null,
+      sequence: 0, // of the newest request
+      moments: { losses: [], touches: [] },
+      trial: 0,
+      zoomed: null,
+      plots: [],
+      onSeek: () => {},
+      onLoad: () => {},
+    });
     this.box = root.querySelector("[data-charts]");
-    this.whole = { t: [], values: {} };
+    this.whole = noSamples();
     this.detail = null; // the same over the zoomed range
     this.units = [...root.querySelectorAll('input[name="unit"]')];
     this.rangeSelect = root.querySelector("[data-range]");
-    const known = (chart) => chart.columns?.length && chart.columns.every((name) => data.columns.some((column) => column.name === name));
+    const known = (chart) =>
+      chart.columns?.length && chart.columns.every((name) => data.columns.some((column) => column.name === name));
     this.chosen = memory.get("charts", []).filter(known);
     if (!this.chosen.length) this.chosen = this.presets(data.charts[0]?.unit);
     this.choice = new ChartChoice(root, data, this);
@@ -26,14 +39,15 @@ export class Charts {
     const choice = root.querySelector("[data-units]");
     if (choice) choice.hidden = !this.units.every(({ value }) => units.has(value));
     for (const input of this.units) {
-      input.checked = this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
+      input.checked =
+        this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
       input.addEventListener("change", () => this.choose(this.presets(input.value)));
     }
     this.rangeSelect?.addEventListener("change", () => this.zoomAround(Number(this.rangeSelect.value)));
     this.offerLogarithmic(root.querySelector("[data-log-axis]"));
     this.build();
     document.addEventListener("themechange", () => this.build());
-    new ResizeObserver(() => this.plots.forEach((plot) => plot.resize())).observe(this.box);
+    new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
   offerLogarithmic(box) {
@@ -63,8 +77,12 @@ export class Charts {
     this.choose(this.chosen.filter((one) => one !== chart));
   }
 
+  resize() {
+    for (const plot of this.plots) plot.resize();
+  }
+
   build() {
-    this.plots.forEach((plot) => plot.destroy());
+    for (const plot of this.plots) plot.destroy();
     this.plots = this.chosen.map((chart) => new ChartPlot(chart, this.data, this));
     this.draw();
     this.mark(this.marked);
@@ -81,20 +99,14 @@ export class Charts {
     return [0, Math.max(this.data.trial_s, t.length ? t[t.length - 1] : 0)];
   }
 
-  // The level that ran at a position of the trial; null if that is not known yet. Benchmarks may
-  // draw the order of the levels, so it is read from the telemetry.
+  // The level that ran at a position of the trial; null if that is not known yet.
   levelAt(position) {
     const { level_s: length, ordered, levels } = this.data;
-    if (ordered) return Math.min(position, levels.length - 1);
-    const { t, values } = this.whole;
-    // The middle of a level, since points between two levels may be extremes of both.
-    const from = t.findIndex((time) => time >= (position + 0.1) * length);
-    if (from < 0 || t[from] >= (position + 1) * length) return null;
-    return values.level?.[from] ?? null;
+    return ordered ? Math.min(position, levels.length - 1) : levelAt(this.whole, position, length);
   }
 
   async load() {
-    const sequence = (this.sequence = (this.sequence ?? 0) + 1);
+    const sequence = ++this.sequence;
     const whole = await this.fetchSeries("");
     if (!whole || sequence !== this.sequence) return;
     this.whole = whole;
@@ -113,7 +125,9 @@ export class Charts {
 
   async fetchSeries(range) {
     const names = this.columns().join(",");
-    const response = await fetch(`${this.data.api}/series.json?columns=${names}&max_points=${POINTS}&trial=${this.trial}${range}`);
+    const response = await fetch(
+      `${this.data.api}/series.json?columns=${names}&max_points=${POINTS}&trial=${this.trial}${range}`,
+    );
     if (!response.ok) return null;
     const { t, columns } = await response.json();
     return { t, values: columns };
@@ -126,7 +140,7 @@ export class Charts {
   }
 
   clear() {
-    this.whole = { t: [], values: {} };
+    this.whole = noSamples();
     this.detail = null;
     this.draw();
   }
@@ -149,29 +163,12 @@ export class Charts {
 
   // Appends rows of the event stream.
   append(columns, rows) {
-    const { t, values } = this.whole;
-    const at = columns.indexOf("t");
-    const wanted = this.columns().map((name) => [name, columns.indexOf(name)]);
-    for (const row of rows) {
-      if (t.length && row[at] <= t[t.length - 1]) continue; // replayed
-      t.push(row[at]);
-      for (const [name, index] of wanted) {
-        values[name] ??= new Array(t.length - 1).fill(null);
-        values[name].push(index < 0 ? null : row[index]);
-      }
-    }
-    if (t.length > LIVE_POINTS_MAX) this.thin();
+    appendRows(this.whole, this.columns(), columns, rows);
+    if (this.whole.t.length > LIVE_POINTS_MAX) this.whole = thinned(this.whole);
     this.timer ??= setTimeout(() => {
       this.timer = undefined;
       this.draw();
     }, DRAW_MS);
-  }
-
-  thin() {
-    const kept = (_value, index) => index % 2 === 0 || index > this.whole.t.length - 200;
-    const { t, values } = this.whole;
-    for (const name in values) values[name] = values[name].filter(kept);
-    this.whole.t = t.filter(kept);
   }
 
   draw() {
@@ -191,7 +188,12 @@ export class Charts {
 
   mark(t) {
     this.marked = t;
-    if (this.zoomed && t !== null && this.rangeSelect?.value !== "custom" && (t < this.zoomed[0] || t > this.zoomed[1])) {
+    if (
+      this.zoomed &&
+      t !== null &&
+      this.rangeSelect?.value !== "custom" &&
+      (t < this.zoomed[0] || t > this.zoomed[1])
+    ) {
       this.zoomAround(this.zoomed[1] - this.zoomed[0]); // the range goes along with the playhead
     }
     for (const plot of this.plots) plot.mark(t);

@@ -15,7 +15,8 @@ function fill(context, image, width, height, [x, y, w, h]) {
   context.drawImage(image, (width - sw) / 2, (height - sh) / 2, sw, sh, x, y, w, h);
 }
 
-// moment: {scene: canvas or null, camera: image or null, numbers: [[label, text], ...], clock, title, share of the trial}
+// moment: {scene: canvas or null, camera: image or null, numbers: [[label, text], ...], clock, title,
+// share of the trial}
 export function compose(context, moment) {
   const { width, height } = context.canvas;
   const gap = GAP * height;
@@ -61,5 +62,9 @@ function writeFooter(context, { clock, title, share }, [x, y, width, height]) {
   context.fillStyle = COLOURS.done;
   context.fillRect(x, y, width * share, height * 0.06);
   write(context, clock, x + inset, y + height * 0.66, { size: height * 0.36, weight: 600 });
-  write(context, title, x + width - inset, y + height * 0.66, { size: height * 0.3, colour: COLOURS.muted, align: "right" });
+  write(context, title, x + width - inset, y + height * 0.66, {
+    size: height * 0.3,
+    colour: COLOURS.muted,
+    align: "right",
+  });
 }

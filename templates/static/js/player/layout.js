@@ -17,9 +17,13 @@ export class Layout {
     this.splitter.addEventListener("dblclick", () => this.keepShare(SHARE.usual));
     this.unfold();
     // A "toggle" event does not bubble; parts of the page that the server renders anew are not listened to one by one.
-    root.addEventListener("toggle", ({ target }) => {
-      if (target.dataset?.fold) this.keep({ folds: { ...this.kept.folds, [target.dataset.fold]: target.open } });
-    }, true);
+    root.addEventListener(
+      "toggle",
+      ({ target }) => {
+        if (target.dataset?.fold) this.keep({ folds: { ...this.kept.folds, [target.dataset.fold]: target.open } });
+      },
+      true,
+    );
   }
 
   // Folds and unfolds as it was; also what the server has rendered anew.
@@ -44,7 +48,11 @@ export class Layout {
 
   onKey(event) {
     const to = {
-      ArrowLeft: this.share - SHARE.step, ArrowRight: this.share + SHARE.step, Home: SHARE.least, End: SHARE.most, Enter: SHARE.usual,
+      ArrowLeft: this.share - SHARE.step,
+      ArrowRight: this.share + SHARE.step,
+      Home: SHARE.least,
+      End: SHARE.most,
+      Enter: SHARE.usual,
     }[event.key];
     if (to === undefined) return;
     event.preventDefault();
@@ -59,10 +67,14 @@ export class Layout {
     const { left, width } = this.views.getBoundingClientRect();
     const move = ({ clientX }) => this.setShare(((clientX - left) / width) * 100);
     this.splitter.addEventListener("pointermove", move);
-    this.splitter.addEventListener("lostpointercapture", () => {
-      this.splitter.removeEventListener("pointermove", move);
-      this.keepShare(this.share);
-    }, { once: true });
+    this.splitter.addEventListener(
+      "lostpointercapture",
+      () => {
+        this.splitter.removeEventListener("pointermove", move);
+        this.keepShare(this.share);
+      },
+      { once: true },
+    );
   }
 
   keep(values) {

@@ -7,7 +7,17 @@ const NONE = { levels: [], losses: [], touches: [], largest_error: null };
 export class Marks {
   // strip: the element above which they are drawn; legend: of the charts; duration: of the strip [s]
   constructor(strip, legend, { api, duration }) {
-    Object.assign(this, { strip, legend, api, duration, found: NONE, trial: null, level: null, asked: -Infinity, onChange: () => {} });
+    Object.assign(this, {
+      strip,
+      legend,
+      api,
+      duration,
+      found: NONE,
+      trial: null,
+      level: null,
+      asked: -Infinity,
+      onChange: () => {},
+    });
   }
 
   // Returns the moments of a trial as they are now; null if they could not be read.
@@ -44,7 +54,11 @@ export class Marks {
       return made;
     };
     const changes = levels.map(({ t }) => t).filter((t) => t > 0);
-    this.strip.replaceChildren(...changes.map(mark("change")), ...losses.map(mark("loss")), ...touches.map(mark("touch")));
+    this.strip.replaceChildren(
+      ...changes.map(mark("change")),
+      ...losses.map(mark("loss")),
+      ...touches.map(mark("touch")),
+    );
     this.legend.hidden = !losses.length && !touches.length;
     this.legend.querySelector(".loss").hidden = !losses.length;
     this.legend.querySelector(".touch").hidden = !touches.length;

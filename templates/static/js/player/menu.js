@@ -7,7 +7,11 @@ export class Menu {
     this.dialog = bar.querySelector("[data-shortcuts]");
     this.stopButton = bar.querySelector("[data-stop-clip]");
     this.capture = new Capture(player, { name, tell, onRecording: (seconds) => this.showRecording(seconds) });
-    const actions = { picture: () => this.capture.picture(), clip: () => this.capture.toggle(), shortcuts: () => this.dialog.showModal() };
+    const actions = {
+      picture: () => this.capture.picture(),
+      clip: () => this.capture.toggle(),
+      shortcuts: () => this.dialog.showModal(),
+    };
     this.keys = { p: actions.picture, r: actions.clip, "?": actions.shortcuts };
     for (const button of this.root.querySelectorAll("[data-action]")) {
       button.addEventListener("click", () => {

@@ -1,20 +1,6 @@
 // The numbers at the playhead, beside the scene.
 
-const DEGREES = 180 / Math.PI;
-
-function number(value, digits, unit) {
-  if (!Number.isFinite(value)) return "–";
-  return `${value.toFixed(digits).replace("-", "−")} ${unit}`;
-}
-
-// Where the water flows to, as a compass course.
-function current({ current_x: north, current_y: east }) {
-  const speed = Math.hypot(north, east);
-  if (!Number.isFinite(speed)) return "–";
-  if (speed < 0.005) return "none";
-  const course = (Math.atan2(east, north) * DEGREES + 360) % 360;
-  return `${speed.toFixed(2)} m/s to ${course.toFixed(0)}°`;
-}
+import { current, heading, number } from "./formatting.js";
 
 function tracker({ tracker_ok: ok, tracker_error: error }) {
   return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
@@ -25,9 +11,9 @@ const SHOWN = [
   ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
   ["Tracker", "tracker_ok", tracker],
-  ["Current", "current_x", current],
+  ["Current", "current_x", (row) => current(row.current_x, row.current_y)],
   ["Depth", "z", (row) => number(row.z, 2, "m")],
-  ["Heading", "yaw", (row) => number(((row.yaw * DEGREES) % 360 + 360) % 360, 1, "°")],
+  ["Heading", "yaw", (row) => heading(row.yaw)],
 ];
 
 export class Numbers {

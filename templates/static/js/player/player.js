@@ -1,8 +1,8 @@
 // The player of a run: scene, camera, numbers and charts on one time line, and the bar that moves it.
 import { Bar } from "./bar.js";
 import { Camera } from "./camera.js";
-import { Charts } from "./charts.js";
 import { ChartTable } from "./chart_table.js";
+import { Charts } from "./charts.js";
 import { FullScreen } from "./full_screen.js";
 import { Layout } from "./layout.js";
 import { Marks } from "./marks.js";
@@ -11,7 +11,7 @@ import { Menu } from "./menu.js";
 import { Numbers } from "./numbers.js";
 import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
-import { rowColumns, Rows } from "./rows.js";
+import { Rows, rowColumns } from "./rows.js";
 import { SceneBox } from "./scene_box.js";
 
 const TABLE_MS = 250;
@@ -29,7 +29,10 @@ export class Player {
     this.fullScreen = new FullScreen(root);
     this.numbers = new Numbers(root.querySelector("[data-numbers]"), data.columns);
     this.scene = new SceneBox(root.querySelector("[data-scene]"), data, this.memory);
-    this.marks = new Marks(root.querySelector("[data-marks]"), root.querySelector("[data-mark-legend]"), { api: data.api, duration: data.trial_s });
+    this.marks = new Marks(root.querySelector("[data-marks]"), root.querySelector("[data-mark-legend]"), {
+      api: data.api,
+      duration: data.trial_s,
+    });
     this.marks.onChange = (moments) => this.charts.setMoments(moments);
     const table = root.querySelector("[data-chart-table]");
     this.table = new ChartTable(table, this.charts);
@@ -37,8 +40,11 @@ export class Player {
     this.menu = new Menu(bar, this, { name: `seamark-run-${data.id}`, tell: (sentence) => this.bar.tell(sentence) });
     this.bar = new Bar(bar, this.playhead, {
       keys: { ...this.menu.keys, ...this.scene.keys },
-      levelLength: data.level_s, step: data.step_s,
-      levelText: (row) => this.levelText(row), moments: () => this.marks.load(this.playhead.trial), fullScreen: this.fullScreen,
+      levelLength: data.level_s,
+      step: data.step_s,
+      levelText: (row) => this.levelText(row),
+      moments: () => this.marks.load(this.playhead.trial),
+      fullScreen: this.fullScreen,
     });
     this.write = paced(() => {
       this.bar.show(this.playhead, this.row);
@@ -91,7 +97,10 @@ export class Player {
     this.write();
     this.charts.mark(playhead.t);
     if (playhead.newest > 0) this.showCamera();
-    if (found) this.scene.show(playhead, found, () => this.rows.before(playhead.trial, playhead.t, 20 * Math.max(playhead.speed, 1)));
+    if (found)
+      this.scene.show(playhead, found, () =>
+        this.rows.before(playhead.trial, playhead.t, 20 * Math.max(playhead.speed, 1)),
+      );
     this.writeTable();
   }
 
@@ -106,14 +115,18 @@ export class Player {
   levelText(row) {
     const { names, levels, level } = this.data;
     if (row.level === null || row.level === undefined) return "";
-    return names.length ? `level ${row.level}: ${names[row.level]}` : `${level.label.toLowerCase()} ${levels[row.level]} ${level.unit}`.trimEnd();
+    return names.length
+      ? `level ${row.level}: ${names[row.level]}`
+      : `${level.label.toLowerCase()} ${levels[row.level]} ${level.unit}`.trimEnd();
   }
 
   // The moment in words and numbers, for pictures and clips.
   describe() {
     const { data, playhead, row } = this;
     return {
-      numbers: this.numbers.lines(row), clock: this.bar.timeText(playhead.t, row), share: playhead.t / playhead.duration,
+      numbers: this.numbers.lines(row),
+      clock: this.bar.timeText(playhead.t, row),
+      share: playhead.t / playhead.duration,
       title: `Seamark run ${data.id}, ${data.benchmark}`,
     };
   }

@@ -1,5 +1,6 @@
 // Whole rows of telemetry around the playhead, from the series API in windows that are as long as
 // the replay is fast: whatever the speed, a second of watching costs about twenty rows.
+import { lastUntil } from "./samples.js";
 
 export const WINDOW_ROWS = 401;
 const WINDOW_S = 20; // at speed 1, with every row of 0.05 s
@@ -72,7 +73,8 @@ export class Rows {
       if (!response.ok) return;
       const { t, columns } = await response.json();
       this.windows.delete(key); // the order of a Map is that of insertion: the oldest goes first
-      if (t.length) this.windows.set(key, { trial, from, until: Math.max(newest, t[t.length - 1]), length, t, columns });
+      if (t.length)
+        this.windows.set(key, { trial, from, until: Math.max(newest, t[t.length - 1]), length, t, columns });
       while (this.windows.size > WINDOWS_MAX) this.windows.delete(this.windows.keys().next().value);
       this.onRows();
     } finally {
@@ -109,7 +111,9 @@ export class Rows {
   // Positions {t, x, y, z} of the same level up to time `t`, over at most `length` [s], oldest first.
   before(trial, t, length) {
     const rows = [];
-    const found = [...this.windows.values()].filter((one) => one.trial === trial && one.from <= t && one.from + one.length > t - length);
+    const found = [...this.windows.values()].filter(
+      (one) => one.trial === trial && one.from <= t && one.from + one.length > t - length,
+    );
     const finest = Math.min(...found.map((one) => one.length));
     for (const one of found.filter((window) => window.length === finest).sort((a, b) => a.from - b.from)) {
       one.t.forEach((time, index) => {
@@ -119,23 +123,22 @@ export class Rows {
         rows.push({ t: time, x: x[index], y: y[index], z: z[index], level: level[index] });
       });
     }
-    const all = rows.length || this.recent.trial !== trial ? rows : this.recent.rows.filter((row) => row.t <= t + SAME_S);
+    const all =
+      rows.length || this.recent.trial !== trial ? rows : this.recent.rows.filter((row) => row.t <= t + SAME_S);
     const level = all.length ? all[all.length - 1].level : null;
     return all.filter((row) => row.level === level);
   }
 }
 
 function between(times, t, rowAt) {
-  let low = 0;
-  let high = times.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (times[middle] <= t + SAME_S) low = middle;
-    else high = middle - 1;
-  }
+  const low = lastUntil(times, t, SAME_S);
   const row = rowAt(low);
   const next = low + 1 < times.length ? rowAt(low + 1) : row;
   const step = next.t - row.t;
   const sameLevel = next.level === row.level;
-  return { row, next: sameLevel ? next : row, share: step > 0 && sameLevel ? Math.min(Math.max((t - row.t) / step, 0), 1) : 0 };
+  return {
+    row,
+    next: sameLevel ? next : row,
+    share: step > 0 && sameLevel ? Math.min(Math.max((t - row.t) / step, 0), 1) : 0,
+  };
 }

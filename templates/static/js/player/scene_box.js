@@ -25,7 +25,8 @@ export class SceneBox {
       this.fog.checked = memory.get("fog", true);
       this.fog.addEventListener("change", () => this.setFog());
     }
-    for (const button of box.querySelectorAll("[data-move]")) button.addEventListener("click", () => this.move(button.dataset.move));
+    for (const button of box.querySelectorAll("[data-move]"))
+      button.addEventListener("click", () => this.move(button.dataset.move));
     const sight = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;
       sight.disconnect();
@@ -49,14 +50,19 @@ export class SceneBox {
     if (!view) {
       this.box.classList.add("without-webgl");
       if (!this.note) return; // the picture stays
-      this.note.textContent = "This browser cannot draw 3-D graphics (WebGL 2). The camera, the numbers and the charts show the same moment.";
+      this.note.textContent =
+        "This browser cannot draw 3-D graphics (WebGL 2). The camera, the numbers and the charts show the same moment.";
       this.note.hidden = false;
       return;
     }
     this.view = view;
     Object.assign(view.canvas, { tabIndex: 0 });
     view.canvas.setAttribute("role", "img");
-    view.canvas.setAttribute("aria-label", "3-D scene of the vehicle above the target. Arrow keys turn the view, with Shift they move it, plus and minus zoom. In the free view W, A, S, D, Q and E fly.");
+    view.canvas.setAttribute(
+      "aria-label",
+      "3-D scene of the vehicle above the target. Arrow keys turn the view, with Shift they move it, " +
+        "plus and minus zoom. In the free view W, A, S, D, Q and E fly.",
+    );
     if (this.last) this.show(...this.last);
   }
 
@@ -94,7 +100,12 @@ export class SceneBox {
     const seconds = this.shownAt?.trial === trial ? Math.min(Math.max(t - this.shownAt.t, 0), 2) : 0;
     this.shownAt = { trial, t };
     const moments = [{ found, trail }, ...ghosts];
-    this.view.show(moments.map((moment) => moment && { pose: poseBetween(moment.found), row: moment.found.row, trail: moment.trail() }), seconds);
+    this.view.show(
+      moments.map(
+        (moment) => moment && { pose: poseBetween(moment.found), row: moment.found.row, trail: moment.trail() },
+      ),
+      seconds,
+    );
   }
 
   // The scene of a level is requested once; until it has arrived the last one stays.
@@ -114,7 +125,10 @@ export class SceneBox {
     const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, `trial=${trial}&level=0`)));
     if (this.sceneKey !== key) return;
     this.solid = solid;
-    const vehicles = [this.data, ...this.ghosts].map(({ colour }, index) => ({ colour, shape: (index ? others[index - 1] : scene)?.vehicle ?? null }));
+    const vehicles = [this.data, ...this.ghosts].map(({ colour }, index) => ({
+      colour,
+      shape: (index ? others[index - 1] : scene)?.vehicle ?? null,
+    }));
     const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
     this.view.describe({ ...scene, vehicles }, { seabed: texture("seabed"), target: texture("target") });
     this.view.setMode(this.mode);
@@ -150,8 +164,13 @@ export class SceneBox {
     if (!this.pose) return;
     const { position, rotation } = this.view.vehicle.group;
     const metres = (value) => value.toFixed(3).replace("-", "−");
-    const heading = (((rotation.z * 180) / Math.PI) % 360 + 360) % 360;
-    this.pose.textContent = `north ${metres(position.x)}, east ${metres(position.y)}, depth ${metres(position.z)} m, heading ${heading.toFixed(1)}°`;
+    const heading = ((((rotation.z * 180) / Math.PI) % 360) + 360) % 360;
+    this.pose.textContent = [
+      `north ${metres(position.x)}`,
+      `east ${metres(position.y)}`,
+      `depth ${metres(position.z)} m`,
+      `heading ${heading.toFixed(1)}°`,
+    ].join(", ");
   }
 }
 

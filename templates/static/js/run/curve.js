@@ -78,23 +78,37 @@ export class Curve {
     container.setAttribute("role", "img");
     container.setAttribute("aria-label", this.data.querySelector("p").textContent);
     this.box.replaceChildren(title, container);
-    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
-    this.plot = new uPlot({
-      width: this.width(),
-      height: HEIGHT,
-      cursor: { drag: { x: false, y: false } },
-      legend: { show: false },
-      scales: { x: { time: false, range: () => curve.range }, y: { range: () => [0, 112] } },
-      axes: [
-        { ...axis, label: curve.x_label, labelSize: 20, labelFont: "12px system-ui, sans-serif", size: 32 },
-        { ...axis, size: 56, splits: () => [0, 25, 50, 75, 100] },
-      ],
-      series: [{}, ...curve.lines.map(({ label }, index) => ({
-        label, stroke: colour(COLOURS[index]), width: 1.5, points: { show: true, size: 5 },
-      }))],
-      plugins: [marksPlugin(curve)],
-      hooks: { setCursor: [(plot) => this.showValues(plot, curve, readout)] },
-    }, [curve.x, ...curve.lines.map(({ values }) => values)], container);
+    const axis = {
+      stroke: colour("--text-2"),
+      grid: { stroke: colour("--chart-grid"), width: 1 },
+      ticks: { show: false },
+    };
+    this.plot = new uPlot(
+      {
+        width: this.width(),
+        height: HEIGHT,
+        cursor: { drag: { x: false, y: false } },
+        legend: { show: false },
+        scales: { x: { time: false, range: () => curve.range }, y: { range: () => [0, 112] } },
+        axes: [
+          { ...axis, label: curve.x_label, labelSize: 20, labelFont: "12px system-ui, sans-serif", size: 32 },
+          { ...axis, size: 56, splits: () => [0, 25, 50, 75, 100] },
+        ],
+        series: [
+          {},
+          ...curve.lines.map(({ label }, index) => ({
+            label,
+            stroke: colour(COLOURS[index]),
+            width: 1.5,
+            points: { show: true, size: 5 },
+          })),
+        ],
+        plugins: [marksPlugin(curve)],
+        hooks: { setCursor: [(plot) => this.showValues(plot, curve, readout)] },
+      },
+      [curve.x, ...curve.lines.map(({ values }) => values)],
+      container,
+    );
   }
 
   showValues(plot, curve, output) {

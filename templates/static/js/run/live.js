@@ -6,21 +6,24 @@ const RETRY_MS = 5000; // after an error that the browser does not retry itself,
 // what came since the last event.
 // data: {api, events_after}; handle: {state, log, attempt, rows, end}, all but the last two optional
 export function listen(data, handle, after = data.events_after, attempt = null) {
+  let last = after;
+  let shown = attempt;
   const events = new EventSource(`${data.api}/events?after=${after}`);
-  const on = (type, use) => events.addEventListener(type, (event) => {
-    if (event.lastEventId) after = event.lastEventId;
-    use?.(JSON.parse(event.data));
-  });
+  const on = (type, use) =>
+    events.addEventListener(type, (event) => {
+      if (event.lastEventId) last = event.lastEventId;
+      use?.(JSON.parse(event.data));
+    });
   events.addEventListener("error", () => {
-    if (events.readyState === EventSource.CLOSED) setTimeout(() => listen(data, handle, after, attempt), RETRY_MS);
+    if (events.readyState === EventSource.CLOSED) setTimeout(() => listen(data, handle, last, shown), RETRY_MS);
   });
   on("state", handle.state);
   on("log", handle.log);
   on("telemetry", ({ columns, rows }) => {
     if (!rows.length) return;
-    const [newest] = after.split("-"); // a run whose worker died starts again
-    if (attempt !== null && attempt !== newest) handle.attempt();
-    attempt = newest;
+    const [newest] = last.split("-"); // a run whose worker died starts again
+    if (shown !== null && shown !== newest) handle.attempt();
+    shown = newest;
     handle.rows(columns, rows);
   });
   on("end", () => {
@@ -40,13 +43,19 @@ export class RowFeed {
     const newest = rows[rows.length - 1][at];
     const { playhead } = this.player;
     if (playhead.following && newest !== playhead.trial) this.player.setTrial(newest);
-    this.player.append(playhead.trial, columns, rows.filter((row) => row[at] === playhead.trial));
+    this.player.append(
+      playhead.trial,
+      columns,
+      rows.filter((row) => row[at] === playhead.trial),
+    );
   }
 }
 
 export function followRows(player, data) {
   const feed = new RowFeed(player);
   listen(data, {
-    attempt: () => player.clear(), rows: (columns, rows) => feed.rows(columns, rows), end: () => player.ended(),
+    attempt: () => player.clear(),
+    rows: (columns, rows) => feed.rows(columns, rows),
+    end: () => player.ended(),
   });
 }

@@ -81,7 +81,7 @@ async function refresh(only = null) {
   document.title = fresh.title;
   if (!only) estimate = newEstimate();
   showEndOfLog();
-  curves.forEach((curve) => curve.update());
+  for (const curve of curves) curve.update();
 }
 
 // The chart over levels is updated after each level, at most every two seconds; less often when many
@@ -97,10 +97,13 @@ function followLevel(newest) {
   level = newest;
   if (first || curveScheduled) return;
   curveScheduled = true;
-  setTimeout(() => {
-    curveScheduled = false;
-    if (data.live) refresh("curve-");
-  }, Math.max(CURVE_INTERVAL_MS, CURVE_VIEWER_INTERVAL_MS * player.camera.viewers));
+  setTimeout(
+    () => {
+      curveScheduled = false;
+      if (data.live) refresh("curve-");
+    },
+    Math.max(CURVE_INTERVAL_MS, CURVE_VIEWER_INTERVAL_MS * player.camera.viewers),
+  );
 }
 
 function follow() {

@@ -11,7 +11,9 @@ function element(tag, className, text) {
 }
 
 function sleep(ms) {
-  return new Promise((resolve) => { setTimeout(resolve, ms); });
+  return new Promise((resolve) => {
+    setTimeout(resolve, ms);
+  });
 }
 
 // Returns the chosen file, or the text of the editor as a file.
@@ -37,7 +39,10 @@ async function requestCheck(form, benchmark, config, program) {
   let check = await readJson(await fetch(URL_CHECKS, { method: "POST", body, headers }));
   const deadline = Date.now() + TIMEOUT_MS;
   while (check.state !== "done") {
-    if (Date.now() > deadline) throw new Error("No worker is available for the check. Try again later, or start the run, which waits in the queue.");
+    if (Date.now() > deadline)
+      throw new Error(
+        "No worker is available for the check. Try again later, or start the run, which waits in the queue.",
+      );
     await sleep(1000);
     check = await readJson(await fetch(`${URL_CHECKS}/${check.id}`, { headers }));
   }
@@ -68,7 +73,10 @@ function verdict(check) {
   if (!check.ok) return "The program does not run:";
   const steps = check.step_us;
   const used = check.usage;
-  const time = steps && used ? `${steps.count} steps, ${used.cpu_s.toFixed(2)} s of CPU time, ${used.memory_mib.toFixed(0)} MiB of memory. ` : "";
+  const time =
+    steps && used
+      ? `${steps.count} steps, ${used.cpu_s.toFixed(2)} s of CPU time, ${used.memory_mib.toFixed(0)} MiB of memory. `
+      : "";
   return `The program runs. ${time}${check.problems.length ? "Warnings:" : ""}`;
 }
 
@@ -105,15 +113,20 @@ export function startCheck(form, settings, openEditor) {
     if (button.getAttribute("aria-disabled") === "true") return;
     const program = programFile(form);
     if (!program) {
-      showNotice(form.elements.kept_program
-        ? "Choose the file again to check it. The kept file can only be used to start the run."
-        : "Choose a file first, or write the program in the editor.", "warn");
+      showNotice(
+        form.elements.kept_program
+          ? "Choose the file again to check it. The kept file can only be used to start the run."
+          : "Choose a file first, or write the program in the editor.",
+        "warn",
+      );
       return;
     }
     const before = label.textContent;
     button.setAttribute("aria-disabled", "true");
     label.textContent = "Checking…";
-    container.replaceChildren(element("p", "small muted", "Compiling and starting the program. This takes a few seconds."));
+    container.replaceChildren(
+      element("p", "small muted", "Compiling and starting the program. This takes a few seconds."),
+    );
     try {
       const editor = await openEditor();
       editor?.mark([]);

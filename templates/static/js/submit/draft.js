@@ -78,7 +78,9 @@ export function startDraft(form) {
     showNotice(form, key);
   }
   let sent = false;
-  form.addEventListener("submit", () => { sent = true; });
+  form.addEventListener("submit", () => {
+    sent = true;
+  });
   addEventListener("pagehide", () => {
     const entries = entriesOf(form);
     const changed = JSON.stringify(entries) !== initial;

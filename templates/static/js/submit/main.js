@@ -23,12 +23,17 @@ function showKind() {
   if (note) {
     note.hidden = !ranked;
     const titles = settings.unused().map((input) => settings.titleOf(input));
-    note.querySelector("[data-ranked-unused]").textContent = titles.length === 0 ? ""
-      : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
+    note.querySelector("[data-ranked-unused]").textContent =
+      titles.length === 0
+        ? ""
+        : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
   }
   const runs = sweepRuns(form);
-  form.querySelector("[data-submit-label]").textContent = ranked ? "Start ranked run"
-    : runs > 1 ? `Start ${runs} runs` : "Start run";
+  form.querySelector("[data-submit-label]").textContent = ranked
+    ? "Start ranked run"
+    : runs > 1
+      ? `Start ${runs} runs`
+      : "Start run";
   const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling.textContent ?? "";
   const parts = [solution, ranked ? "ranked" : "practice", settings.summary()];
   form.querySelector("[data-summary]").textContent = parts.filter(Boolean).join(" · ");
@@ -40,8 +45,10 @@ function showStarterNote() {
   const { controller, source, language, program_text: text } = form.elements;
   if (!note || !text) return;
   const starter = form.querySelector(`[data-program-template="${CSS.escape(language.value)}"]`);
-  note.hidden = controller.value !== "upload" || source.value !== "editor"
-    || text.value.trim() !== starter?.content.textContent.trim();
+  note.hidden =
+    controller.value !== "upload" ||
+    source.value !== "editor" ||
+    text.value.trim() !== starter?.content.textContent.trim();
 }
 
 function download(name) {

@@ -27,9 +27,21 @@ function helpOf(parameter) {
 function inputOf(parameter, id, value) {
   const described = { id, name: id, "aria-describedby": `${id}-help` };
   if (parameter.type !== "boolean") {
-    return element("input", { ...described, type: "text", inputmode: "decimal", value, autocomplete: "off", spellcheck: "false" });
+    return element("input", {
+      ...described,
+      type: "text",
+      inputmode: "decimal",
+      value,
+      autocomplete: "off",
+      spellcheck: "false",
+    });
   }
-  const select = element("select", described, element("option", { value: "true" }, "yes"), element("option", { value: "false" }, "no"));
+  const select = element(
+    "select",
+    described,
+    element("option", { value: "true" }, "yes"),
+    element("option", { value: "false" }, "no"),
+  );
   select.value = value;
   return select;
 }
@@ -38,8 +50,13 @@ function fieldOf(parameter, value) {
   const id = PREFIX + parameter.name;
   const label = element("label", { for: id, id: `${id}-label` }, parameter.name);
   if (parameter.unit) label.append(" ", element("span", { class: "unit" }, `[${parameter.unit}]`));
-  return element("div", { class: "field", "data-parameter": parameter.name }, label, inputOf(parameter, id, value),
-    element("p", { class: "help", id: `${id}-help` }, helpOf(parameter)));
+  return element(
+    "div",
+    { class: "field", "data-parameter": parameter.name },
+    label,
+    inputOf(parameter, id, value),
+    element("p", { class: "help", id: `${id}-help` }, helpOf(parameter)),
+  );
 }
 
 // Returns name -> text of the parameters in the form, as an entry of the configuration.
@@ -70,7 +87,10 @@ export function startParameters(form, benchmark, programFile) {
 
   function show(parameters) {
     const typed = new Map([...fields.querySelectorAll("[name]")].map((input) => [input.name, input]));
-    const changed = (name) => { const input = typed.get(PREFIX + name); return input?.dataset.touched ? input.value : null; };
+    const changed = (name) => {
+      const input = typed.get(PREFIX + name);
+      return input?.dataset.touched ? input.value : null;
+    };
     fields.replaceChildren(...parameters.map((one) => fieldOf(one, changed(one.name) ?? String(one.default))));
     for (const input of fields.querySelectorAll("[name]")) {
       if (typed.get(input.name)?.dataset.touched) input.dataset.touched = "yes";
@@ -102,7 +122,9 @@ export function startParameters(form, benchmark, programFile) {
 
   // What the run has that this form begins with counts as typed.
   for (const input of fields.querySelectorAll("[name]")) input.dataset.touched = "yes";
-  fields.addEventListener("input", (event) => { event.target.dataset.touched = "yes"; });
+  fields.addEventListener("input", (event) => {
+    event.target.dataset.touched = "yes";
+  });
   form.addEventListener("change", (event) => {
     if (event.target.name === "controller") showCard();
     if (["program", "language"].includes(event.target.name)) read();

@@ -6,7 +6,7 @@ function textOf(value) {
   return Array.isArray(value) ? value.join(", ") : String(value);
 }
 
-export function valueOf(input) {
+export function valueOfInput(input) {
   return input.type === "checkbox" ? String(input.checked) : input.value;
 }
 
@@ -46,13 +46,14 @@ export class Settings {
   }
 
   differs(input) {
-    return valueOf(input).trim() !== input.dataset.default;
+    return valueOfInput(input).trim() !== input.dataset.default;
   }
 
   // Inputs that differ from their defaults, have an effect, and are sent.
   changed(within = this.form) {
-    return this.inputs.filter((input) => within.contains(input) && this.differs(input)
-      && !input.closest("[data-field]").hidden);
+    return this.inputs.filter(
+      (input) => within.contains(input) && this.differs(input) && !input.closest("[data-field]").hidden,
+    );
   }
 
   // Unchanged inputs follow the presets of other choices, such as the vehicle; changed ones keep
@@ -60,7 +61,7 @@ export class Settings {
   applyPresets({ keepValues = false } = {}) {
     const preset = {};
     for (const [name, choices] of Object.entries(this.presets)) {
-      Object.assign(preset, choices[valueOf(this.form.elements[name])] ?? {});
+      Object.assign(preset, choices[valueOfInput(this.form.elements[name])] ?? {});
     }
     for (const input of this.inputs) {
       if (input.name in this.presets) continue;
@@ -94,11 +95,12 @@ export class Settings {
   // Hides settings that have no effect with the other choices, unless they have an error. A ranked
   // run refuses them: they are not sent.
   showApplicable() {
-    const chosen = (name) => name === "tracker" && this.hasOwnTracker ? "" : valueOf(this.form.elements[name]);
+    const chosen = (name) => (name === "tracker" && this.hasOwnTracker ? "" : valueOfInput(this.form.elements[name]));
     for (const field of this.form.querySelectorAll("[data-applies], [data-field=tracker]")) {
       const conditions = Object.entries(JSON.parse(field.dataset.applies ?? "{}"));
-      const applies = conditions.every(([name, values]) => values.includes(chosen(name)))
-        && !(field.dataset.field === "tracker" && this.hasOwnTracker);
+      const applies =
+        conditions.every(([name, values]) => values.includes(chosen(name))) &&
+        !(field.dataset.field === "tracker" && this.hasOwnTracker);
       field.hidden = !applies && !field.querySelector(".error");
       const condition = field.querySelector("[data-only]");
       if (condition) condition.hidden = applies;
@@ -113,7 +115,7 @@ export class Settings {
 
   // An own tracker takes the place of the built-in one, with all options of that one.
   get hasOwnTracker() {
-    return this.form.dataset.role === "tracker" && valueOf(this.form.elements.controller) === "upload";
+    return this.form.dataset.role === "tracker" && valueOfInput(this.form.elements.controller) === "upload";
   }
 
   get ranked() {
@@ -164,16 +166,23 @@ export class Settings {
 
   isApplied(point) {
     const { controller } = this.form.elements;
-    return (!point.built_in || controller.value === point.built_in)
-      && Object.entries(point.config).every(([name, value]) => valueOf(this.form.elements[name]).trim() === textOf(value));
+    return (
+      (!point.built_in || controller.value === point.built_in) &&
+      Object.entries(point.config).every(
+        ([name, value]) => valueOfInput(this.form.elements[name]).trim() === textOf(value),
+      )
+    );
   }
 
   markPoints() {
     for (const button of this.form.querySelectorAll("[data-starting-point]")) {
       const point = this.points[button.dataset.startingPoint];
       button.setAttribute("aria-pressed", String(this.isApplied(point)));
-      button.hidden = this.ranked && Object.keys(point.config).some(
-        (name) => this.form.elements[name].closest("[data-role]").dataset.role === "scenario");
+      button.hidden =
+        this.ranked &&
+        Object.keys(point.config).some(
+          (name) => this.form.elements[name].closest("[data-role]").dataset.role === "scenario",
+        );
     }
     const presets = this.form.querySelector("[data-starting-points]");
     if (presets) presets.hidden = !presets.querySelector("[data-starting-point]:not([hidden])");
@@ -215,10 +224,13 @@ export class Settings {
     const values = { ...this.fixed };
     for (const input of this.inputs) {
       if (input.matches(":disabled")) continue;
-      const text = valueOf(input).trim();
+      const text = valueOfInput(input).trim();
       if (input.type === "checkbox") values[input.name] = input.checked;
       else if (input.dataset.list !== undefined) {
-        values[input.name] = text.split(/[\s,;]+/).filter(Boolean).map(Number);
+        values[input.name] = text
+          .split(/[\s,;]+/)
+          .filter(Boolean)
+          .map(Number);
       } else if (input.inputMode === "decimal" && text !== "" && Number.isFinite(Number(text))) {
         values[input.name] = Number(text);
       } else values[input.name] = text;

@@ -8,7 +8,8 @@ function countOf(text) {
 
 function rowsOf(form) {
   return [0, 1].map((index) => ({
-    name: form.elements[`sweep-${index}-name`], values: form.elements[`sweep-${index}-values`],
+    name: form.elements[`sweep-${index}-name`],
+    values: form.elements[`sweep-${index}-values`],
   }));
 }
 
@@ -18,6 +19,20 @@ export function sweepRuns(form) {
   return used.length ? used.reduce((product, { values }) => product * countOf(values.value), 1) : 0;
 }
 
+// Offers the parameters of a program first, in a select of what can be swept; keeps what is chosen if it can.
+function offerParameters(select, names) {
+  const chosen = select.value;
+  for (const option of select.querySelectorAll("[data-own]")) option.remove();
+  for (const parameter of names.toReversed()) {
+    for (const option of select.options) if (option.value === parameter) option.remove();
+    const option = new Option(`${parameter} (parameter)`, parameter);
+    option.dataset.own = "";
+    select.options.add(option, 1);
+  }
+  select.value = chosen;
+  if (select.selectedIndex < 0) select.value = "";
+}
+
 export function startSweep(form) {
   const box = form.querySelector("[data-sweep]");
   if (!box) return;
@@ -25,23 +40,17 @@ export function startSweep(form) {
 
   function showCount() {
     const count = sweepRuns(form);
-    const text = count > Number(box.dataset.sweep) ? `This sweep has ${count} runs, which are too many.` : `This sweep has ${count} runs.`;
+    const text =
+      count > Number(box.dataset.sweep)
+        ? `This sweep has ${count} runs, which are too many.`
+        : `This sweep has ${count} runs.`;
     box.querySelector("[data-sweep-count]").textContent = count ? text : "";
   }
 
   function showParameters() {
     const names = [...form.querySelectorAll("[data-parameter]")].map((field) => field.dataset.parameter);
     for (const { name } of rows) {
-      const chosen = name.value;
-      for (const option of name.querySelectorAll("[data-own]")) option.remove();
-      for (const parameter of names.toReversed()) {
-        for (const option of name.options) if (option.value === parameter) option.remove();
-        const option = new Option(`${parameter} (parameter)`, parameter);
-        option.dataset.own = "";
-        name.options.add(option, 1);
-      }
-      name.value = chosen;
-      if (name.selectedIndex < 0) name.value = "";
+      offerParameters(name, names);
     }
     showCount();
   }
@@ -54,7 +63,9 @@ export function startSweep(form) {
 
   box.addEventListener("input", showCount);
   form.addEventListener("parameters", showParameters);
-  form.addEventListener("change", (event) => { if (event.target.name === "kind") showKind(); });
+  form.addEventListener("change", (event) => {
+    if (event.target.name === "kind") showKind();
+  });
   if (location.hash === "#sweep") box.open = true;
   showParameters();
   showKind();

@@ -1,7 +1,7 @@
 // Switching between file and editor, drag and drop, and the size of the file before it is sent.
 
 function mebibytes(bytes) {
-  return (bytes / 2 ** 20).toFixed(1) + " MiB";
+  return `${(bytes / 2 ** 20).toFixed(1)} MiB`;
 }
 
 export function startUpload(form) {

@@ -15,7 +15,9 @@ const FIELD_OF_VIEW = 48; // [degree] vertical
 const FRAME_M = 0.8; // around the vehicles that are all in the picture
 const TO_SCREEN = (v) => new Vector3(v.y, -v.z, -v.x);
 // From the axes of a three.js camera (x right, y up, -z ahead) to the body (x forward, y starboard, z down).
-const LOOK_DOWN = new Quaternion().setFromRotationMatrix(new Matrix4().set(0, 1, 0, 0, 1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1));
+const LOOK_DOWN = new Quaternion().setFromRotationMatrix(
+  new Matrix4().set(0, 1, 0, 0, 1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1),
+);
 
 export class Cameras {
   constructor(canvas, onChange) {
@@ -78,8 +80,11 @@ export class Cameras {
     this.mode = mode;
     this.flying.clear();
     Object.assign(this.controls, {
-      enabled: mode !== "camera", enableZoom: mode !== "all",
-      minDistance: free ? 0.2 : 0.6, maxDistance: free || mode === "all" ? 60 : 25, maxPolarAngle: Math.PI * (free ? 0.95 : 0.55),
+      enabled: mode !== "camera",
+      enableZoom: mode !== "all",
+      minDistance: free ? 0.2 : 0.6,
+      maxDistance: free || mode === "all" ? 60 : 25,
+      maxPolarAngle: Math.PI * (free ? 0.95 : 0.55),
     });
     // OrbitControls takes every touch; otherwise one finger up or down scrolls the page.
     this.canvas.style.touchAction = free ? "none" : "pan-y";
@@ -117,7 +122,9 @@ export class Cameras {
       const { position, quaternion } = this.vehicle;
       const eye = new Vector3(...this.optics.mount).applyQuaternion(quaternion).add(position);
       this.camera.position.copy(TO_SCREEN(eye));
-      const world = new Quaternion().setFromRotationMatrix(new Matrix4().set(0, 1, 0, 0, 0, 0, -1, 0, -1, 0, 0, 0, 0, 0, 0, 1));
+      const world = new Quaternion().setFromRotationMatrix(
+        new Matrix4().set(0, 1, 0, 0, 0, 0, -1, 0, -1, 0, 0, 0, 0, 0, 0, 1),
+      );
       this.camera.quaternion.copy(world.multiply(quaternion).multiply(LOOK_DOWN));
     } else {
       this.fly();
@@ -157,7 +164,9 @@ export class Cameras {
     const radius = offset.length();
     const azimuth = Math.atan2(offset.x, offset.z) + across;
     const polar = Math.min(Math.max(Math.acos(offset.y / radius) + down, 0.01), this.controls.maxPolarAngle);
-    offset.set(Math.sin(polar) * Math.sin(azimuth), Math.cos(polar), Math.sin(polar) * Math.cos(azimuth)).multiplyScalar(radius);
+    offset
+      .set(Math.sin(polar) * Math.sin(azimuth), Math.cos(polar), Math.sin(polar) * Math.cos(azimuth))
+      .multiplyScalar(radius);
     this.camera.position.copy(this.controls.target).add(offset);
   }
 
@@ -169,14 +178,19 @@ export class Cameras {
     const length = ahead.length();
     const azimuth = Math.atan2(ahead.x, ahead.z) - across;
     const rise = Math.min(Math.max(Math.asin(ahead.y / length) - down, -1.5), 1.5);
-    target.set(Math.cos(rise) * Math.sin(azimuth), Math.sin(rise), Math.cos(rise) * Math.cos(azimuth)).multiplyScalar(length).add(position);
+    target
+      .set(Math.cos(rise) * Math.sin(azimuth), Math.sin(rise), Math.cos(rise) * Math.cos(azimuth))
+      .multiplyScalar(length)
+      .add(position);
   }
 
   // Moves the eye and what it looks at to the right, up and ahead.
   move([right, up, ahead], metres) {
     const step = new Vector3();
     const axis = new Vector3();
-    [right, up, -ahead].forEach((share, column) => step.addScaledVector(axis.setFromMatrixColumn(this.camera.matrix, column), share * metres));
+    for (const [column, share] of [right, up, -ahead].entries()) {
+      step.addScaledVector(axis.setFromMatrixColumn(this.camera.matrix, column), share * metres);
+    }
     for (const point of [this.camera.position, this.controls.target]) point.add(step);
   }
 

@@ -1,5 +1,12 @@
 // The light cone of the vehicle's lamp, if the run has one: ahead of the camera, looking down as it does.
-import { AdditiveBlending, BufferAttribute, ConeGeometry, DoubleSide, Mesh, MeshBasicMaterial } from "../../../vendor/three/three.min.js";
+import {
+  AdditiveBlending,
+  BufferAttribute,
+  ConeGeometry,
+  DoubleSide,
+  Mesh,
+  MeshBasicMaterial,
+} from "../../../vendor/three/three.min.js";
 
 const BRIGHTNESS = 0.05; // of one wall of the cone at the lamp; it fades to none at the seabed
 const STEPS = 8; // of the fading
@@ -11,8 +18,17 @@ export class LampCone {
     const geometry = new ConeGeometry(Math.tan(cone), 1, 32, STEPS, true).translate(0, -0.5, 0);
     const { position } = geometry.attributes;
     const colours = Array.from({ length: position.count }, (_, index) => BRIGHTNESS * (1 + position.getY(index)) ** 2);
-    geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours.flatMap((value) => [value, value, 0.85 * value])), 3));
-    const material = new MeshBasicMaterial({ vertexColors: true, blending: AdditiveBlending, transparent: true, depthWrite: false, side: DoubleSide });
+    geometry.setAttribute(
+      "color",
+      new BufferAttribute(new Float32Array(colours.flatMap((value) => [value, value, 0.85 * value])), 3),
+    );
+    const material = new MeshBasicMaterial({
+      vertexColors: true,
+      blending: AdditiveBlending,
+      transparent: true,
+      depthWrite: false,
+      side: DoubleSide,
+    });
     this.mesh = new Mesh(geometry, material);
     this.mesh.rotation.x = -Math.PI / 2; // its tip up, at the vehicle
     this.mesh.position.set(x + forward, y, z);

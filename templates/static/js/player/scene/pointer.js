@@ -37,7 +37,8 @@ export class Pointer {
     const [across, down] = [width / 2 - 2 * MARGIN_PX, height / 2 - MARGIN_PX];
     const reach = Math.min(across / Math.abs(direction.x), down / Math.abs(direction.y));
     direction.multiplyScalar(reach);
-    this.element.style.transform = `translate(${(width / 2 + direction.x).toFixed(0)}px, ${(height / 2 + direction.y).toFixed(0)}px) translate(-50%, -50%)`;
+    const [left, top] = [width / 2 + direction.x, height / 2 + direction.y].map((pixels) => `${pixels.toFixed(0)}px`);
+    this.element.style.transform = `translate(${left}, ${top}) translate(-50%, -50%)`;
     this.arrow.style.transform = `rotate(${Math.atan2(direction.y, direction.x).toFixed(2)}rad)`;
     const text = distance ? `${this.name} ${distance}` : this.name;
     if (this.text.textContent !== text) this.text.textContent = text;

@@ -1,7 +1,13 @@
 // The shadow of a vehicle on the seabed: its hull once more as one flat, dark mesh, along the light. It
 // costs one draw call, which a shadow map does not where there is no graphics card.
 import {
-  BufferAttribute, BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, NotEqualStencilFunc, ReplaceStencilOp,
+  BufferAttribute,
+  BufferGeometry,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  NotEqualStencilFunc,
+  ReplaceStencilOp,
 } from "../../../vendor/three/three.min.js";
 
 const DARKNESS = 0.45; // share of the daylight that the hull takes away
@@ -20,16 +26,24 @@ function merged(group) {
     positions.push(...position.array);
     indices.push(...Array.from(mesh.geometry.index.array, (at) => first + at));
   });
-  return new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(positions), 3)).setIndex(indices);
+  return new BufferGeometry()
+    .setAttribute("position", new BufferAttribute(new Float32Array(positions), 3))
+    .setIndex(indices);
 }
 
 export class Shadow {
   // solid: group of the parts that cast it; depth: of the seabed [m]; light: [north, east, down] along which it falls
   constructor(solid, depth, light, water) {
     const material = new MeshBasicMaterial({
-      color: 0, transparent: true, opacity: DARKNESS, depthWrite: false,
+      color: 0,
+      transparent: true,
+      opacity: DARKNESS,
+      depthWrite: false,
       // Each pixel once, where parts of the hull lie above each other.
-      stencilWrite: true, stencilRef: 1, stencilFunc: NotEqualStencilFunc, stencilZPass: ReplaceStencilOp,
+      stencilWrite: true,
+      stencilRef: 1,
+      stencilFunc: NotEqualStencilFunc,
+      stencilZPass: ReplaceStencilOp,
     });
     this.mesh = new Mesh(merged(solid), water.seen(material));
     this.mesh.matrixAutoUpdate = this.mesh.frustumCulled = false;

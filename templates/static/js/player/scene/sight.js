@@ -4,7 +4,12 @@ import { Group, Vector3 } from "../../../vendor/three/three.min.js";
 import { Trace } from "./surroundings.js";
 
 const REACH_MAX_M = 12;
-const CORNERS = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
+const CORNERS = [
+  [-1, -1],
+  [1, -1],
+  [1, 1],
+  [-1, 1],
+];
 const edges = (corners) => corners.flatMap((corner, index) => [corner, corners[(index + 1) % corners.length]]);
 
 export class Sight {
@@ -21,7 +26,9 @@ export class Sight {
     const eye = new Vector3(...mount).applyMatrix4(vehicle.matrix);
     // Image right is starboard (y), image down is aft (-x), the optical axis is down (z).
     const corners = CORNERS.map(([u, v]) => {
-      const ray = new Vector3((-v * height) / 2 / focal, (u * width) / 2 / focal, 1).applyQuaternion(vehicle.quaternion);
+      const ray = new Vector3((-v * height) / 2 / focal, (u * width) / 2 / focal, 1).applyQuaternion(
+        vehicle.quaternion,
+      );
       const reach = ray.z > 0.05 ? Math.min((seabed.depth - eye.z) / ray.z, REACH_MAX_M) : REACH_MAX_M;
       return eye.clone().addScaledVector(ray, Math.max(reach, 0)).toArray();
     });

@@ -21,10 +21,21 @@ export function seabed({ depth, tile }, address, ready, water) {
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.minFilter = THREE.LinearMipmapNearestFilter;
   const half = GROUND_M / 2;
-  const corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+  const corners = [
+    [-half, -half],
+    [half, -half],
+    [half, half],
+    [-half, half],
+  ];
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n, e, depth])), 3));
-  geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n / tile, e / tile])), 2));
+  geometry.setAttribute(
+    "position",
+    new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n, e, depth])), 3),
+  );
+  geometry.setAttribute(
+    "uv",
+    new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n / tile, e / tile])), 2),
+  );
   geometry.setIndex([0, 1, 2, 0, 2, 3]);
   return new THREE.Mesh(geometry, water.seen(new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide })));
 }
@@ -40,10 +51,18 @@ export function target({ centre, size, heading }, address, ready, water) {
   // Body axes: x forward is up as one reads the letters, y starboard is to the right.
   const top = new THREE.BufferGeometry();
   const [up, right, z] = [width / 2, length / 2, -height / 2 - 0.002];
-  top.setAttribute("position", new THREE.BufferAttribute(new Float32Array([up, -right, z, up, right, z, -up, right, z, -up, -right, z]), 3));
+  top.setAttribute(
+    "position",
+    new THREE.BufferAttribute(new Float32Array([up, -right, z, up, right, z, -up, right, z, -up, -right, z]), 3),
+  );
   top.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
   top.setIndex([0, 1, 2, 0, 2, 3]);
-  group.add(new THREE.Mesh(top, water.seen(new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide }))));
+  group.add(
+    new THREE.Mesh(
+      top,
+      water.seen(new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide })),
+    ),
+  );
   return group;
 }
 
@@ -75,7 +94,10 @@ export class Particles {
   constructor(depth, water) {
     this.depth = depth;
     this.drift = new THREE.Vector3();
-    this.start = Array.from({ length: 3 * PARTICLES }, (_, index) => CLOUD_M * ((Math.floor(index / 3) * SPREAD[index % 3]) % 1));
+    this.start = Array.from(
+      { length: 3 * PARTICLES },
+      (_, index) => CLOUD_M * ((Math.floor(index / 3) * SPREAD[index % 3]) % 1),
+    );
     this.geometry = new THREE.BufferGeometry();
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * PARTICLES), 3).setUsage(THREE.DynamicDrawUsage);
     this.geometry.setAttribute("position", this.positions);
@@ -114,7 +136,7 @@ export class Trace {
   show(points) {
     const every = Math.max(Math.ceil(points.length / this.points), 1);
     const kept = points.filter((_, index) => index % every === (points.length - 1) % every);
-    kept.forEach((point, index) => this.positions.setXYZ(index, ...point));
+    for (const [index, point] of kept.entries()) this.positions.setXYZ(index, ...point);
     this.positions.needsUpdate = true;
     this.line.geometry.setDrawRange(0, kept.length);
   }

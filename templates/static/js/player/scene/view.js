@@ -41,7 +41,10 @@ export class SceneView {
     this.world.matrixAutoUpdate = false;
     this.world.matrix.copy(TO_SCREEN);
     const sun = new THREE.DirectionalLight(0xffffff, 1.6);
-    sun.position.set(...SUN).negate().applyMatrix4(TO_SCREEN);
+    sun.position
+      .set(...SUN)
+      .negate()
+      .applyMatrix4(TO_SCREEN);
     this.scene.add(this.world, new THREE.HemisphereLight(0xd7f3ff, 0x6b6048, 1.5), sun);
     this.water = new Water();
     this.scene.background = this.water.colour;
@@ -79,8 +82,11 @@ export class SceneView {
     this.lamp = light.lamp > 0 ? new LampCone(light, camera.mount, depth) : null;
     if (this.lamp) this.vehicle.group.add(this.lamp.mesh);
     this.world.add(
-      seabed(description.seabed, textures.seabed, ready, this.water), target(description.target, textures.target, ready, this.water),
-      this.particles.points, this.outside, ...ghosts,
+      seabed(description.seabed, textures.seabed, ready, this.water),
+      target(description.target, textures.target, ready, this.water),
+      this.particles.points,
+      this.outside,
+      ...ghosts,
     );
     this.outside.clear();
     this.outside.add(this.shadow.mesh, followed, this.current.group, this.sight.group);
@@ -109,7 +115,7 @@ export class SceneView {
     if (this.moved && this.sharp) this.setSharp(false);
     if (!this.vehicle) return;
     const moved = STILL.matches ? 0 : seconds;
-    this.actors.forEach((actor, index) => actor.show(moments[index] ?? null, moved));
+    for (const [index, actor] of this.actors.entries()) actor.show(moments[index] ?? null, moved);
     if (moments[0]) this.showAround(moments[0].row, moved);
     const shown = this.actors.filter(({ group }) => group.visible);
     if (this.cameras.mode === "all") this.cameras.frame(shown.map(({ vehicle }) => vehicle.group.position));
@@ -176,7 +182,11 @@ export class SceneView {
     const { station, vehicle } = this.pointers;
     const place = ([x, y, z]) => new THREE.Vector3(x, y, z).applyMatrix4(TO_SCREEN);
     const distance = this.last?.[0]?.row.distance;
-    station.show(camera, place(this.description.target.centre), Number.isFinite(distance) ? `${distance.toFixed(1)} m` : "");
+    station.show(
+      camera,
+      place(this.description.target.centre),
+      Number.isFinite(distance) ? `${distance.toFixed(1)} m` : "",
+    );
     if (this.cameras.mode === "camera") vehicle.hide();
     else vehicle.show(camera, place(this.vehicle.group.position.toArray()), "");
   }

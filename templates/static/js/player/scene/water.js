@@ -43,9 +43,14 @@ export class Water {
     this.materials = [];
     this.kind = { law: "beer", lit: false }; // what the shaders are compiled for
     this.uniforms = {
-      waterEye: { value: this.eye }, waterAxis: { value: this.axis }, lampOffset: { value: this.lamp },
-      waterAttenuation: { value: this.attenuation }, waterVeil: { value: this.veil },
-      daylight: { value: 1 }, lamp: { value: 0 }, lampCone: { value: 1 },
+      waterEye: { value: this.eye },
+      waterAxis: { value: this.axis },
+      lampOffset: { value: this.lamp },
+      waterAttenuation: { value: this.attenuation },
+      waterVeil: { value: this.veil },
+      daylight: { value: 1 },
+      lamp: { value: 0 },
+      lampCone: { value: 1 },
     };
   }
 

