@@ -20,19 +20,15 @@ QUALITY = 84
 SEED = 2026
 AMBER = (0, 176, 255)  # blue, green, red
 OFFSET = np.array([0.05, -0.04, 0.0, 0.02, 0.01, 0.15])  # [m, rad] from the station
-# Benchmark -> distance of the camera from the target [m], level whose water is shown.
-VIEWS = {
-    "currents-v2": (2.27, 3),
-    "visibility-v2": (1.27, 12),
-    "currents-v1": (2.27, 0),
-    "visibility-v1": (1.27, 8),
-}
+DISTANCES_M = {"controller": 2.27, "tracker": 1.27}  # of the camera from the target
+LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the first one's water
 
 
 def picture(name: str) -> "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]":
     """Return the picture of a benchmark, (H, W, 3)."""
-    height_m, level = VIEWS[name]
-    camera = Replay(name, registry.benchmark(name).read({}), lambda _trial: SEED).camera(0, level)
+    benchmark = registry.benchmark(name)
+    height_m, level = DISTANCES_M[benchmark.role], LEVELS.get(name, 0)
+    camera = Replay(name, benchmark.read({}), lambda _trial: SEED).camera(0, level)
     motion = np.zeros(12)
     motion[:6] = start_pose(camera.optics, camera.target, height_m) + OFFSET
     image = camera.colour(motion, 40)

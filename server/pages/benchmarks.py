@@ -1,8 +1,11 @@
 """The pages of the benchmarks: what each measures and how, then all its parameters."""
 
+from pathlib import Path
+
 from flask import Blueprint, abort, render_template
 from flask.typing import ResponseReturnValue
 
+from seamark import templates
 from seamark.server.pages import form_fields, guides, link_previews, plots
 from seamark.server.pages.plots import OnAxis
 from seamark.server.runs import leaderboard, reference_entries, score_counts, submission
@@ -12,7 +15,8 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.physics import constants
 
 page = Blueprint("benchmark", __name__, url_prefix="/benchmarks")
-_GUIDE = "benchmarks.md"  # a section for each benchmark
+_PICTURES = Path(templates.__file__).parent / "static" / "benchmarks"
+GUIDE = "benchmarks.md"  # a section for each benchmark
 
 
 @page.get("/")
@@ -25,6 +29,7 @@ def index() -> ResponseReturnValue:
     found = [
         {
             "benchmark": benchmark,
+            "picture": has_picture(benchmark.name),
             "leader": next(iter(leaders[benchmark.name]), None),
             "people": people.get(benchmark.name, 0),
         }
@@ -38,7 +43,7 @@ def show(name: str) -> ResponseReturnValue:
     """Show what a benchmark measures, and its parameters with unit, tag and source."""
     benchmark = by_name(name)
     config = benchmark.read({})
-    explanation, contents = guides.section(_GUIDE, name)
+    explanation, contents = guides.section(GUIDE, name)
     with services().database.reading() as session:
         leader = next(iter(leaderboard.leaders(session, benchmark, 1)), None)
         people = score_counts.size(session, name)
@@ -48,6 +53,7 @@ def show(name: str) -> ResponseReturnValue:
     return render_template(
         "benchmark/show.html",
         benchmark=benchmark,
+        picture=has_picture(name),
         ranked_trials=submission.ranked_trials(benchmark, services().settings),
         benchmarks=labels(),
         sections=guides.folded(explanation),
@@ -77,6 +83,11 @@ def by_name(name: str) -> Benchmark:
     if name not in registry.BENCHMARKS:
         abort(404)
     return registry.benchmark(name)
+
+
+def has_picture(name: str) -> bool:
+    """Return whether `python -m performance.benchmark_pictures` has drawn a benchmark."""
+    return (_PICTURES / f"{name}.jpg").exists()
 
 
 def labels() -> dict[str, str]:

@@ -37,6 +37,7 @@ from seamark.server.web import own_wheel
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address
 from seamark.sim import registry, vehicles
+from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.control import observation
 from seamark.sim.metrics import station_keeping, tracking
 from seamark.sim.physics import constants
@@ -182,13 +183,21 @@ def _physics() -> dict[str, Any]:
 def _metrics() -> dict[str, Any]:
     return {
         "guide": guides.html("measures.md"),
+        "scores": list(_scores()),
         "held_m": station_keeping.HELD_P95_M,
-        "score_m": station_keeping.SCORE_LENGTH_M,
         "far_px": tracking.FAR_PX,
         "near_px": tracking.NEAR_PX,
         "failed_percent": tracking.FAILED_PERCENT,
         "tracker_held_percent": tracking.HELD_PERCENT,
     }
+
+
+def _scores() -> Iterator[tuple[Benchmark, str]]:
+    """Iterate over the benchmarks with the part of their explanation that is about the score."""
+    for name in registry.BENCHMARKS:
+        explanation, _ = guides.section(benchmarks.GUIDE, name)
+        parts = {title: body for _, title, body in guides.folded(explanation)}
+        yield registry.benchmark(name), parts.get("Score", "")
 
 
 def _telemetry() -> dict[str, Any]:

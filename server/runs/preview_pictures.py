@@ -132,8 +132,9 @@ def _draw_leaderboard(benchmark: Benchmark, ranks: Sequence[Rank]) -> bytes:
 def _draw_illustrated(title: str, subtitle: str, sentence: str, file: Path) -> bytes:
     canvas, text = Canvas(), Box(672, 222, 1200 - 672 - _MARGIN, 44)
     _head(canvas, title, subtitle)
-    picture = np.asarray(cv2.imread(str(file)), np.uint8)
-    canvas.paste(picture, Box(_MARGIN, 190, 588, 392))
+    if file.exists():
+        picture = np.asarray(cv2.imread(str(file)), np.uint8)
+        canvas.paste(picture, Box(_MARGIN, 190, 588, 392))
     for line, words in enumerate(textwrap.wrap(sentence, _LINE_CHARACTERS)):
         canvas.text(words, (text.x, text.y + line * text.height), 30, width=text.width)
     return canvas.jpeg()
