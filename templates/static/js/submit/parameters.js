@@ -4,6 +4,7 @@
 const URL_READ = "/api/v1/checks?run=false&wait=0";
 const PAUSE_MS = 1200; // after the last change in the editor
 const PREFIX = "parameters.";
+const TEXT_MAX_BYTES = 2 * 1024 * 1024; // as a source file may have
 
 function element(tag, attributes = {}, ...children) {
   const created = document.createElement(tag);
@@ -68,14 +69,21 @@ export function parameterValues(form) {
   return form.elements.controller.value === "upload" && Object.keys(values).length ? { parameters: values } : {};
 }
 
+// packed: endings of files that are no texts, declaring: words, both separated by spaces. A text without one of
+// the words declares nothing; what a binary or an archive declares, only the server can say.
+async function declaresNothing(program, { packed, declaring }) {
+  const name = program.name.toLowerCase();
+  if (program.size >= TEXT_MAX_BYTES || packed.split(" ").some((ending) => name.endsWith(ending))) return false;
+  const text = await program.text();
+  return !declaring.split(" ").some((word) => text.includes(word));
+}
+
 // benchmark: name; programFile(form): the chosen file, or the editor's text as a file
 export function startParameters(form, benchmark, programFile) {
   const box = form.querySelector("[data-own-parameters]");
   if (!box || !form.querySelector("#own-program")) return;
   const fields = box.querySelector("[data-fields]");
   const card = box.closest("[data-own-program]");
-  const packed = box.dataset.packed.split(" "); // endings of files that are no texts
-  const declaring = box.dataset.declaring.split(" "); // a text without one of these words declares nothing
   let wanted = 0;
   let pause = 0;
 
@@ -102,13 +110,9 @@ export function startParameters(form, benchmark, programFile) {
     const sequence = ++wanted;
     const program = programFile(form);
     if (!program) return;
-    const name = program.name.toLowerCase();
-    if (program.size < 2 * 1024 * 1024 && !packed.some((ending) => name.endsWith(ending))) {
-      const text = await program.text();
-      if (!declaring.some((word) => text.includes(word))) {
-        if (sequence === wanted) show([]);
-        return;
-      }
+    if (await declaresNothing(program, box.dataset)) {
+      if (sequence === wanted) show([]);
+      return;
     }
     const body = new FormData();
     body.set("run", JSON.stringify({ benchmark }));
