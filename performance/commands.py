@@ -1,21 +1,103 @@
-"""Other programs as steps of a check."""
+"""Every command of `./run performance`, by the subject that it measures."""
 
-import subprocess
+import ast
+import importlib
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
-TIMEOUT_S = 600
+from performance.tables import text
+
+QUICK = ("full_run", "physics", "camera", "exchange")
+ALL = "all"
+# Name -> module. A table has `rows()`, or `table()` if it has columns of its own. It prints and
+# changes nothing.
+TABLES = {
+    "full_run": "simulator.full_run",
+    "physics": "simulator.physics",
+    "gym": "simulator.gym",
+    "start": "simulator.start",
+    "growth": "simulator.growth",
+    "scaling": "simulator.scaling",
+    "static_limits": "simulator.static_limits",
+    "exchange": "sandbox.exchange",
+    "neighbours": "sandbox.neighbours",
+    "leaks": "sandbox.leaks",
+    "camera": "perception.camera",
+    "trackers": "perception.trackers.page",
+    "leaderboard": "service.database.leaderboard",
+    "many_runs": "service.database.many_runs",
+    "class_view": "service.database.class_view",
+    "start_latency": "service.queue.start_latency",
+    "fake_runs": "service.queue.fake_runs",
+    "claims": "service.queue.claims",
+    "load_model": "service.queue.load_model",
+    "streams": "service.web.streams",
+    "live_lag": "service.web.live_lag",
+    "player": "service.web.player",
+    "downloads": "service.web.downloads",
+    "connected": "service.web.connected",
+    "upgrade_flood": "service.web.upgrade_flood",
+    "strangers_bytes": "service.web.strangers_bytes",
+}
+ADJUSTABLE = frozenset(
+    {"trackers", "leaderboard", "many_runs", "class_view", "fake_runs", "claims"}
+)
+# Name -> module with `main(arguments)`, as adjustable tables have it too. It writes files or takes
+# long, and is not part of `all`.
+OTHERS = {
+    "validation": "simulator.validation.page",
+    "paper_figures": "simulator.validation.experiment",
+    "visibility": "perception.visibility.measurement",
+    "headroom": "statistics.headroom.currents",
+    "visibility_headroom": "statistics.headroom.visibility",
+    "adversaries": "statistics.adversaries",
+    "population": "statistics.population",
+    "coverage": "statistics.coverage",
+    "selection": "statistics.selection",
+    "reference_results": "statistics.reference_results",
+    "fake_machines": "service.queue.fake_machines",
+    "slow_start": "service.web.slow_start",
+    "generated_client": "interoperability.generated_client",
+    "bridges": "interoperability.bridges",
+    "foxglove": "interoperability.foxglove",
+    "benchmark_pictures": "figures.benchmark_pictures",
+    "camera_figures": "figures.camera",
+    "tracker_figures": "figures.trackers",
+    "training_figure": "figures.training",
+    "tutorial_figure": "figures.tutorial",
+    "compared_figures": "figures.compared",
+    "player_figures": "figures.player",
+    "demo_recording": "figures.demo_recording",
+    "screenshots": "figures.screenshots",
+}
+MODULES = {name: f"performance.{module}" for name, module in (TABLES | OTHERS).items()}
 
 
-class Failed(Exception):
-    """A step failed; the text says why."""
+def run(name: str, arguments: Sequence[str]) -> int:
+    """Print a table, or run a command; return the exit code."""
+    module = importlib.import_module(MODULES[name])
+    if name in OTHERS or arguments:
+        code: int = module.main(arguments)
+        return code
+    own = getattr(module, "table", None)
+    print(f"\n{name}\n{own() if own else text(module.rows())}", flush=True)
+    return 0
 
 
-def run(command: Sequence[str], folder: Path) -> str:
-    """Return what a command prints; raises Failed if it fails."""
-    done = subprocess.run(
-        command, cwd=folder, stdout=subprocess.PIPE, text=True, check=False, timeout=TIMEOUT_S
-    )
-    if done.returncode != 0:
-        raise Failed(f"{Path(command[0]).name} ended with {done.returncode}")
-    return done.stdout
+def takes_arguments(name: str) -> bool:
+    """Return whether words after a name are for the command."""
+    return name in OTHERS or name in ADJUSTABLE
+
+
+def described() -> str:
+    """Return a line for each command: its name and the first line of its module."""
+    lines = ["Tables:", *map(_line, TABLES), "", "Others:", *map(_line, OTHERS)]
+    return "\n".join(lines)
+
+
+def _line(name: str) -> str:
+    spec = find_spec(MODULES[name])  # not imported: MuJoCo and Chromium may be missing
+    source = Path(spec.origin).read_text("utf-8") if spec and spec.origin else ""
+    summary = (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+    return f"  {name:20} {summary}"

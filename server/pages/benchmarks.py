@@ -86,7 +86,7 @@ def by_name(name: str) -> Benchmark:
 
 
 def has_picture(name: str) -> bool:
-    """Return whether `python -m performance.benchmark_pictures` has drawn a benchmark."""
+    """Return whether `./run performance benchmark_pictures` has drawn a benchmark."""
     return (_PICTURES / f"{name}.jpg").exists()
 
 

@@ -2,7 +2,7 @@
 
 `demo/` holds the files of a run as a worker writes them, and what else the player of a run asks
 for: the scene, its textures, and small camera images for as long as this process cannot render the
-images itself. `python -m performance.demo_recording` writes all of them.
+images itself. `./run performance demo_recording` writes all of them.
 """
 
 import json

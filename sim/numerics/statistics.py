@@ -53,7 +53,7 @@ def mean_interval(values: Sequence[float], *, block: int = 1) -> tuple[float, fl
     """Return the 95 % interval of the mean: Student's t over the means of consecutive blocks.
 
     Its coverage is nominal where the percentile bootstrap of ten trials covers only 90 %
-    (`python -m performance.coverage`).
+    (`./run performance coverage`).
 
     Parameters
     ----------

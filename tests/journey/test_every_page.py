@@ -12,7 +12,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
-from performance.requests import create_first, pages
+from performance.service.database.requests import create_first, pages
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app

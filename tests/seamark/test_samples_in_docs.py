@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
-from performance import tutorial_figure
+from performance.figures import tutorial
 from seamark.cli.main import cli
 
 ROOT = Path(__file__).parents[2]
@@ -31,7 +31,7 @@ def _blocks(language: str) -> Iterator[tuple[str, str]]:
 
 COMMANDS = [(page, line) for page, text in _blocks("") for line in COMMAND.findall(text)]
 PROGRAMS = {
-    **tutorial_figure.programs(),
+    **tutorial.programs(),
     "start page": unescape(FILTERED.findall(START.read_text(encoding="utf-8"))[0]),
     "README": next(text for page, text in _blocks("python") if page == "README.md"),
 }
@@ -63,12 +63,12 @@ def test_json_in_the_documentation_can_be_read(page: str, text: str) -> None:
 
 
 def test_the_tutorial_has_a_program_for_each_step() -> None:
-    assert len(tutorial_figure.programs()) == 3
+    assert len(tutorial.programs()) == 3
 
 
 @pytest.mark.parametrize("title", PROGRAMS)
 def test_a_controller_of_the_documentation_runs(title: str) -> None:
-    ended = tutorial_figure.run(PROGRAMS[title], *SHORT)
+    ended = tutorial.run(PROGRAMS[title], *SHORT)
 
     assert len(ended.t) == 40  # 2 s at 20 Hz
     assert 0 < ended.score <= 100

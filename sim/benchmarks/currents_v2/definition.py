@@ -69,7 +69,7 @@ BENCHMARK = replace(
     question="Which position controller holds station in the strongest current?",
     headline=Metric("score", "Current held", "m/s", "higher"),
     score_bar_max=0.8,
-    scale=(0.020, 0.652),  # python -m performance.headroom
+    scale=(0.020, 0.652),  # ./run performance headroom
     groups=(*_BENCHMARK.groups, GROUP),
     presets={},
     starting_points={
@@ -93,7 +93,7 @@ BENCHMARK = replace(
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),
     # A trial with a Python program in its box takes 1.45 times the CPU time of 600 s of currents-v1
-    # (performance.full_run: 1.45 s), so a ranked run takes about 35 s on two cores; block: both
-    # vehicles.
+    # (`./run performance full_run`: 1.45 s), so a ranked run takes about 35 s on two cores;
+    # block: both vehicles.
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
 )

@@ -12,7 +12,7 @@ from alembic import command
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, MetaData, inspect, select
 
-from performance.requests import create_first
+from performance.service.database.requests import create_first
 from seamark.server import audit, workers
 from seamark.server.accounts import accounts, browser_sessions, invitations
 from seamark.server.audit import Actor, AuditAction

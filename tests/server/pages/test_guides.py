@@ -8,8 +8,8 @@ from urllib.parse import urljoin
 import pytest
 from PIL import Image
 
-from performance.compared_figures import OPTIONS
-from performance.tutorial_figure import SEED
+from performance.figures.compared import OPTIONS
+from performance.figures.tutorial import SEED
 from seamark import server
 from seamark.server.pages import guides
 from seamark.server.pages.docs_navigation import MERGED

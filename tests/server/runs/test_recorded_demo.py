@@ -3,13 +3,13 @@
 import json
 from pathlib import Path
 
-from performance import demo_recording
+from performance.figures import demo_recording
 from seamark import templates
 from seamark.server.runs import camera_view, recorded_demo, scene
 from seamark.server.settings import Settings
 from seamark.sim.recording import telemetry
 
-AGAIN = "run `python -m performance.demo_recording`"
+AGAIN = "run `./run performance demo_recording`"
 SIZE_MAX = 1_250_000  # [byte] in the checkout; the wheel compresses the telemetry
 
 

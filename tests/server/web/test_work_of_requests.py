@@ -10,10 +10,10 @@ from flask.testing import FlaskClient
 from sqlalchemy import Connection
 from sqlalchemy.orm import Session
 
-from performance import asked
-from performance.asked import Asked
-from performance.requests import BENCHMARK, addresses, create_first
-from performance.runs_table import fill
+from performance.service.database import queries as asked
+from performance.service.database.queries import Asked
+from performance.service.database.requests import BENCHMARK, addresses, create_first
+from performance.service.database.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
 from seamark.server.runs import leaderboard, run_lists

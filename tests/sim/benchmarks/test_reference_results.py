@@ -2,7 +2,7 @@
 
 import pytest
 
-from performance.reference_results import Job, measure
+from performance.statistics.reference_results import Job, measure
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.registry import BENCHMARKS, benchmark
 

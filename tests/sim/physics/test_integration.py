@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from performance.validation.reference import Leg, Water, reference
+from performance.simulator.validation.reference import Leg, Water, reference
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern, Shear

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from performance.paper_figures import X_AXIS, Y_AXIS, facts, planar_check, run
+from performance.simulator.validation.experiment import X_AXIS, Y_AXIS, facts, planar_check, run
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import TrialResult, run_trial

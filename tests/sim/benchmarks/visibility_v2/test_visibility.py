@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from performance.visibility_attacks import Playback, Remembering, stored_paths
+from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
 from seamark.sim.benchmarks.visibility_v2.experiment import CLEAR_WATER, EXPERIMENT
 from seamark.sim.benchmarks.visibility_v2.scenario import OPTICS, displacement, draw_scenario
 from seamark.sim.benchmarks.visibility_v2.settings import JUMP, MOTION, TURBIDITY

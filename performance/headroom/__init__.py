@@ -1,1 +1,0 @@
-"""How much room the scores of currents-v2 leave, from doing nothing to the oracle."""

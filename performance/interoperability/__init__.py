@@ -1,0 +1,1 @@
+"""Runs followed, controlled and read by other people's libraries."""

@@ -1,0 +1,1 @@
+"""The camera and the trackers beside others, and in turbid water."""

@@ -1,0 +1,1 @@
+"""Our trackers beside those of ViSP and OpenCV: docs/trackers-table.md."""

@@ -1,0 +1,1 @@
+"""Trackers in turbid water: docs/visibility.md."""

@@ -1,0 +1,1 @@
+"""What a box costs a program, gives it, and leaves behind."""

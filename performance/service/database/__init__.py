@@ -1,0 +1,1 @@
+"""Pages and queries of databases with many rows."""

@@ -1,0 +1,1 @@
+"""The queue: from submitting a run to its end, without simulating."""

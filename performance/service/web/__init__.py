@@ -1,0 +1,1 @@
+"""Pages and streams beside others, downloads, and what a browser shows when."""

@@ -1,0 +1,1 @@
+"""What simulating takes beside other libraries, and whether it is right."""

@@ -1,0 +1,122 @@
+"""Where the CPU time of a full run goes: the parts of a control step, and what becomes of the rows.
+
+The functions of each part are timed inside a run. Reading the clock takes as long as some of them,
+so its time is measured and taken out.
+"""
+
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from performance.tables import Row, cpu_us
+from seamark.sandbox.box import Box
+from seamark.server.runs.files import RunFiles
+from seamark.sim.camera.camera import Camera
+from seamark.sim.control.velocity_controller import VelocityController
+from seamark.sim.engine import closed_loop
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.physics.plant import Plant
+from seamark.sim.recording import telemetry
+from seamark.sim.trackers.template.tracker import TemplateTracker
+from seamark.worker.ipc import messages
+
+# None of them is called within another one.
+_PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
+    "rendering": ((Camera, "region"),),
+    "tracker": ((TemplateTracker, "update"),),
+    "physics": ((Plant, "advance"), (Plant, "read_pose")),
+    "sensors and position error": ((closed_loop, "perceive"),),
+    "velocity controller": ((VelocityController, "step"),),
+    "program: built in, or our side of the exchange": ((BuiltIn, "step"), (Box, "step")),
+    "recording, with the digest": ((telemetry.Recorder, "commit"),),
+}
+_CLOCK = time.thread_time_ns
+_BATCH = telemetry.DELIVERED_ROWS
+
+
+class Stopwatch:
+    """CPU time [s] of each part of what runs while it is open."""
+
+    def __init__(self) -> None:
+        self._ns = dict.fromkeys(_PARTS, 0)
+        self._calls = dict.fromkeys(_PARTS, 0)
+        self._clock_ns = 1e3 * cpu_us(_CLOCK, inner=10_000)
+
+    @contextmanager
+    def open(self) -> Iterator[None]:
+        """Time the parts of what runs in this process."""
+        with ExitStack() as restored:
+            for part, functions in _PARTS.items():
+                for owner, name in functions:
+                    function = getattr(owner, name)
+                    setattr(owner, name, self._timed(part, function))
+                    restored.callback(setattr, owner, name, function)
+            yield
+
+    def _timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        ns, calls = self._ns, self._calls
+
+        @wraps(function)
+        def timed(*args: Any) -> Any:
+            begin = _CLOCK()
+            result = function(*args)
+            ns[part] += _CLOCK() - begin
+            calls[part] += 1
+            return result
+
+        return timed
+
+    def parts_s(self) -> dict[str, float]:
+        """Return the CPU time [s] of each part, without that of the clock."""
+        return {
+            part: 1e-9 * (ns - self._calls[part] * self._clock_ns) for part, ns in self._ns.items()
+        }
+
+    def clock_s(self) -> float:
+        """Return the CPU time [s] that reading the clock took: twice at each call."""
+        return 2e-9 * sum(self._calls.values()) * self._clock_ns
+
+
+def loop_rows(name: str, watch: Stopwatch, own_s: float, box_s: float) -> list[Row]:
+    """Return the parts of a run: `own_s` here, timed by `watch`, and `box_s` in its box."""
+    parts, own_s = watch.parts_s(), own_s - watch.clock_s()
+    parts["the rest: the loop itself, start and metrics"] = own_s - sum(parts.values())
+    if box_s:
+        parts["the box: its side of the exchange, and the program"] = box_s
+    whole = own_s + box_s
+    return [
+        Row(
+            what=f"  of {name}: {part}",
+            value=seconds,
+            unit="s CPU",
+            baseline="all parts",
+            baseline_value=whole,
+        )
+        for part, seconds in parts.items()
+    ]
+
+
+def rows_of_telemetry(rows: NDArray[np.float64]) -> list[Row]:
+    """Return what becomes of the rows of a run outside its loop."""
+    return [
+        Row(what=f"  after it: {what}", value=1e-6 * cpu_us(call, repeats=3), unit="s CPU")
+        for what, call in {
+            "CSV": lambda: telemetry.csv_lines(rows),
+            "live data: messages to the worker, file that pages read": lambda: _send_live(rows),
+        }.items()
+    ]
+
+
+def _send_live(rows: NDArray[np.float64]) -> None:
+    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
+        files = RunFiles(Path(folder), 1, 1)
+        for at in range(0, len(rows), _BATCH):
+            sent = telemetry.to_bytes(messages.Rows(rows[at : at + _BATCH]).rows)
+            files.append_rows(telemetry.from_bytes(sent))

@@ -1,0 +1,1 @@
+"""What scores mean: their intervals, their room, and what wins without merit."""

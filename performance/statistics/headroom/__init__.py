@@ -1,0 +1,1 @@
+"""How much room the scores of a benchmark leave, from doing nothing to the oracle."""

@@ -1,0 +1,32 @@
+"""docs/headroom.json: what the entries of the benchmarks scored, one entry a line."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from performance import DOCS
+
+FILE = DOCS / "headroom.json"
+
+
+def stored(benchmark: str) -> dict[str, dict[str, Any]]:
+    """Return what was measured of a benchmark, by the short names of the entries."""
+    return dict(_read().get(benchmark, {}))
+
+
+def store(benchmark: str, entries: Mapping[str, Mapping[str, Any]]) -> None:
+    """Replace all entries of a benchmark."""
+    blocks = [
+        f"{json.dumps(name)}: {{\n{_lines(found)}\n}}"
+        for name, found in (_read() | {benchmark: entries}).items()
+    ]
+    FILE.write_text("{\n" + ",\n".join(blocks) + "\n}\n", "utf-8")
+
+
+def _lines(entries: Mapping[str, Mapping[str, Any]]) -> str:
+    return ",\n".join(f" {json.dumps(name)}: {json.dumps(one)}" for name, one in entries.items())
+
+
+def _read() -> dict[str, Mapping[str, Any]]:
+    found: dict[str, Mapping[str, Any]] = json.loads(FILE.read_text("utf-8"))
+    return found

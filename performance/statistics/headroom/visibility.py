@@ -1,0 +1,335 @@
+"""Measure the entries of visibility-v2 and write their table and figures.
+
+    ./run performance visibility_headroom [ENTRY ...]
+
+Every named entry (all of them without a name) runs the reference trials, and 24 trials in water of
+other seeds, the same for all. From docs/headroom.json it prints the table of docs/benchmarks.md and
+how far the order depends on the trials, and redraws the figures visibility-v2-headroom.png,
+-difficulty.png and -textures.png. It takes about twenty seconds per entry on two idle cores, for
+KCF and ECC some minutes.
+"""
+
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+
+from performance import FIGURES
+from performance.plots import figure
+from performance.statistics.headroom.store import store, stored
+from performance.statistics.visibility_attacks import Path as CornerPath
+from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
+from performance.tables import markdown_table, signed
+from seamark.sim.engine.summary import summarise
+from seamark.sim.engine.trial import TrialResult, run_trial
+from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.numerics.statistics import mean, mean_interval, paired_interval
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.registry import benchmark
+from seamark.sim.trackers import declaration, make
+
+NAME = "visibility-v2"
+REFERENCE_TRIALS = 8
+OTHER_TRIALS = 24  # each of the eight textures three times
+OTHER_SEED = 770_001  # trial i has this seed plus i
+AXES = {"turbidity": "optical depth", "motion": "px per image", "jump": "jump [px]"}
+COLUMNS = (
+    *("tau_midpoint", "motion_held_px", "basin_px"),
+    *("admitted_loss_percent", "false_loss_percent", "unreported_loss_percent"),
+)
+SHOWN_DEPTHS = (0.0, 2.0, 4.0)
+DRAWN = (
+    *("nothing", "blind", "ssd-homography", "box", "kcf", "ecc", "klt", "zncc-homography"),
+    "oracle",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """A solution: its title, settings, and what makes it if it is not the built-in tracker."""
+
+    title: str
+    config: dict[str, object]
+    make: Callable[[Any], Any]  # configuration -> solution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """What an entry scored."""
+
+    title: str
+    scores: Sequence[float]  # [optical depth] of all trials, the reference trials first
+    overall: Mapping[str, float | None]  # of the trials with other seeds: the columns of the table
+    success: Mapping[str, Sequence[tuple[float, float]]]  # of them: axis -> (level, share [%])
+
+    @property
+    def reference(self) -> float:
+        """Return the score of the reference trials."""
+        return mean(self.scores[:REFERENCE_TRIALS])
+
+    @property
+    def other(self) -> tuple[float, float]:
+        """Return the score of the trials with other seeds, and the end of its interval."""
+        scores = self.scores[REFERENCE_TRIALS:]
+        interval = mean_interval(scores)
+        return mean(scores), interval[1] if interval else mean(scores)
+
+
+def _reference(name: str) -> Callable[[Any], Any]:
+    return lambda config: benchmark(NAME).load().built_in(name, config)
+
+
+def _remembering(config: Any) -> Remembering:
+    return Remembering(make(config.tracker, truth=None, **config.tracker_options()))
+
+
+def reference_seed() -> int:
+    """Return the seed of the reference trials."""
+    protocol = benchmark(NAME).protocol
+    return 0 if protocol is None else protocol.reference_seed
+
+
+@cache  # once per process
+def _reference_paths() -> dict[bytes, CornerPath]:
+    return stored_paths(NAME, seed=reference_seed(), trials=REFERENCE_TRIALS)
+
+
+def _playback(_config: Any) -> Playback:
+    return Playback(_reference_paths())
+
+
+def entries() -> dict[str, Entry]:
+    """Return the marks of the leaderboard, and what else is compared with them, by short names."""
+    found = {
+        name: Entry(title=mark.title, config=dict(mark.config), make=_reference(mark.built_in))
+        for name, mark in benchmark(NAME).baselines.items()
+    }
+    built_in = _reference("built-in")
+    found["playback"] = Entry(title="Playback of the reference trials", config={}, make=_playback)
+    found["remembers"] = Entry(
+        title="ZNCC, homography, remembers the path", config={}, make=_remembering
+    )
+    found["kcf"] = Entry(title="KCF", config={"tracker": "kcf"}, make=built_in)
+    found["ssd-homography"] = Entry(
+        title="Template tracker, SSD, homography", config={"criterion": "ssd"}, make=built_in
+    )
+    found["mi-srt"] = Entry(
+        title="Template tracker, MI, SRT", config={"criterion": "mi", "warp": "srt"}, make=built_in
+    )
+    if not declaration("visp").unavailable():
+        found["visp"] = Entry(
+            title="ViSP, ZNCC, homography", config={"tracker": "visp"}, make=built_in
+        )
+    return found
+
+
+class _Job(NamedTuple):
+    """One trial of one entry."""
+
+    entry: str
+    trial: int
+    seed: int
+
+
+def measure(name: str, processes: int) -> Measured:
+    """Run an entry on the reference trials and on others; results do not depend on `processes`."""
+    entry = entries()[name]
+    known = [_Job(name, trial, reference_seed()) for trial in range(REFERENCE_TRIALS)]
+    other = [_Job(name, trial, OTHER_SEED + trial) for trial in range(OTHER_TRIALS)]
+    with get_context("spawn").Pool(processes, initializer=warm_up) as pool:
+        results = pool.map(_run, [*known, *other], chunksize=1)
+    config = benchmark(NAME).read(entry.config)
+    other_metrics = summarise(NAME, config, results[REFERENCE_TRIALS:])
+    return Measured(
+        title=entry.title,
+        scores=[round(result.score, 6) for result in results],
+        overall={name: _rounded(other_metrics["overall"][name]) for name in COLUMNS},
+        success={
+            axis: [
+                (level["value"], round(level[_success(axis)], 3))
+                for level in other_metrics["levels"]
+                if level["axis"] == axis
+            ]
+            for axis in AXES
+        },
+    )
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 4)
+
+
+def _success(axis: str) -> str:
+    """Return the metric that counts as success on an axis."""
+    return "p1_percent" if axis == "jump" else "p5_percent"
+
+
+def _run(job: _Job) -> TrialResult:
+    entry = entries()[job.entry]
+    config = benchmark(NAME).read(entry.config)
+    solution = entry.make(config)
+    return run_trial(
+        NAME, config, solution, seed=job.seed, trial=job.trial, on_rows=lambda _rows: None
+    )
+
+
+def known_entries() -> dict[str, Measured]:
+    """Return what was measured, by the short names of the entries."""
+    return {key: Measured(**one) for key, one in stored(NAME).items()}
+
+
+def report(found: dict[str, Measured]) -> str:
+    """Return the table, lowest score first."""
+    head = (
+        *("entry", "mark", "reference", "other seeds", "better than the mark above"),
+        *("τ midpoint", "motion px", "basin px", "admitted %", "false %", "unreported %"),
+    )
+    steps, marks = mark_steps(found), benchmark(NAME).baselines
+    return markdown_table(
+        head,
+        (_row(found[key], "yes" if key in marks else "", steps[key]) for key in ordered(found)),
+    )
+
+
+def ordered(found: dict[str, Measured]) -> list[str]:
+    """Return the short names of the entries, lowest score first."""
+    return sorted(found, key=lambda key: found[key].other[0])
+
+
+def mark_steps(found: dict[str, Measured]) -> dict[str, tuple[float, float] | None]:
+    """Return for each entry by how much it is better than the next mark with a lower score.
+
+    The 95 % interval of the mean difference on the same trials, none of them a reference trial;
+    None for the lowest.
+    """
+    steps: dict[str, tuple[float, float] | None] = {}
+    below: Measured | None = None
+    for key in ordered(found):
+        own = found[key].scores[REFERENCE_TRIALS:]
+        steps[key] = paired_interval(own, below.scores[REFERENCE_TRIALS:]) if below else None
+        if key in benchmark(NAME).baselines:
+            below = found[key]
+    return steps
+
+
+def _row(one: Measured, mark: str, step: tuple[float, float] | None) -> tuple[str, ...]:
+    score, high = one.other
+    return (
+        one.title,
+        mark,
+        f"{one.reference:.2f}",
+        f"{score:.2f} ± {high - score:.2f}",
+        "" if step is None else f"{signed(step[0], 3)} to {signed(step[1], 3)}",
+        *(
+            _number(one.overall[name], digits)
+            for name, digits in zip(COLUMNS, (2, 1, 1, 0, 0, 0), strict=True)
+        ),
+    )
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def stability(found: dict[str, Measured]) -> str:
+    """Return how much the order of the honest entries changes with the trials."""
+    honest = {key: one for key, one in found.items() if key not in ("playback", "remembers")}
+    halves = [
+        _order({key: one.scores[part] for key, one in honest.items()})
+        for part in (
+            slice(0, REFERENCE_TRIALS),
+            slice(REFERENCE_TRIALS, None),
+            slice(0, None, 2),
+            slice(1, None, 2),
+        )
+    ]
+    agree = [_agreement(halves[0], halves[1]), _agreement(halves[2], halves[3])]
+    return (
+        f"Pairs of {len(honest)} entries in the same order: {agree[0]:.0f} % with other seeds, "
+        f"{agree[1]:.0f} % between the even and the odd trials."
+    )
+
+
+def _order(scores: dict[str, Sequence[float]]) -> list[str]:
+    return sorted(scores, key=lambda key: float(np.mean(scores[key])))
+
+
+def _agreement(first: list[str], second: list[str]) -> float:
+    """Return the share of pairs [%] that two orders agree on."""
+    place = {key: at for at, key in enumerate(second)}
+    pairs = [(a, b) for at, a in enumerate(first) for b in first[at + 1 :]]
+    return 100.0 * sum(place[a] < place[b] for a, b in pairs) / len(pairs)
+
+
+def draw_headroom(found: dict[str, Measured], out: Path) -> None:
+    """Draw the scores with their intervals."""
+    entries = [found[key] for key in ordered(found)]
+    with figure(out, height=0.4 * len(entries) + 1.0) as axes:
+        at = np.arange(len(entries))
+        scores = [one.other[0] for one in entries]
+        margins = [high - score for score, high in (one.other for one in entries)]
+        axes.barh(at, scores, xerr=margins, color="#1d4ed8", alpha=0.75, height=0.6, capsize=3)
+        known = [one.reference for one in entries]
+        axes.plot(known, at, "o", color="#c2410c", label="reference trials")
+        axes.set_yticks(at, [one.title for one in entries])
+        axes.set_xlabel("turbidity held [optical depth], mean and 95 % interval, other seeds")
+        axes.set_xlim(0.0, 7.2)
+        axes.legend(loc="lower right")
+
+
+def draw_difficulty(found: dict[str, Measured], out: Path) -> None:
+    """Draw the share of success over the levels of each axis."""
+    shown = [key for key in DRAWN if key in found]
+    with figure(out, rows=len(AXES), height=10.0, share_x=False) as panels:
+        for panel, (axis, label) in zip(panels, AXES.items(), strict=True):
+            for number, key in enumerate(shown):
+                values, shares = zip(*found[key].success[axis], strict=True)
+                style = "-" if number % 2 else "--"
+                panel.plot(values, shares, style, marker=".", label=found[key].title)
+            panel.set_xlabel(label)
+            panel.set_ylabel("p@1 [%]" if axis == "jump" else "p@5 [%]")
+        panels[1].legend(fontsize=7, loc="center right")
+
+
+def draw_textures(out: Path) -> None:
+    """Write a column for each reference trial: its target at three optical depths."""
+    entry = benchmark(NAME)
+    experiment, config = entry.load(), entry.read({})
+    seed = reference_seed()
+    columns = []
+    for trial in range(REFERENCE_TRIALS):
+        kept: list[Rows] = []
+        turbid = config.level_values().index(SHOWN_DEPTHS[-1])
+        experiment.level(config, None, seed=seed, trial=trial, level=turbid).run(kept.append)
+        pose = kept[0][0, INDEX["x"] : INDEX["yaw"] + 1]
+        drawn = []
+        for depth in SHOWN_DEPTHS:
+            level = config.level_values().index(depth)
+            camera = experiment.camera(config, seed=seed, trial=trial, level=level)
+            column, row = camera.corners(pose).mean(axis=0).round().astype(int)
+            padded = np.pad(camera.grey(pose, 0), 60)  # the crop may reach beyond the image
+            drawn.append(padded[row + 20 : row + 100, column : column + 120])
+        columns.append(np.vstack(drawn))
+    cv2.imwrite(str(out), np.hstack(columns))
+
+
+def main(names: Sequence[str]) -> int:
+    """Measure, store, print and draw."""
+    for key in entries():
+        if not names or key in names:
+            measured = measure(key, len(os.sched_getaffinity(0)))
+            known = known_entries() | {key: measured}  # another process may have added some
+            store(NAME, {name: asdict(one) for name, one in sorted(known.items())})
+    found = known_entries()
+    sys.stdout.write(f"{report(found)}\n\n{stability(found)}\n")
+    draw_headroom(found, FIGURES / "visibility-v2-headroom.png")
+    draw_difficulty(found, FIGURES / "visibility-v2-difficulty.png")
+    draw_textures(FIGURES / "visibility-v2-textures.png")
+    return 0

@@ -1,0 +1,89 @@
+"""The table of the reference entries."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from performance import DOCS
+from performance.statistics.headroom.currents import (
+    NAME,
+    Measured,
+    insert,
+    known_entries,
+    ordered,
+    reference_table,
+    share_of_scale,
+)
+from seamark.sim.numerics.statistics import mean, paired_interval
+from seamark.sim.registry import benchmark
+
+TITLES = {"nothing": "Nothing", "pi": "PI", "oracle": "Oracle"}
+
+
+def trials(*scores: float) -> Measured:
+    return Measured(seed=1, scores=scores, quality=())
+
+
+ENTRIES = {
+    "oracle": trials(0.6, 0.8, 0.6, 0.8),
+    "nothing": trials(0.0, 0.02, 0.0, 0.02),
+    "pi": trials(0.2, 0.4, 0.21, 0.41),
+}
+
+
+def test_entries_are_ordered_from_the_worst_to_the_best() -> None:
+    assert ordered(ENTRIES) == ["nothing", "pi", "oracle"]
+
+
+def test_the_scale_goes_from_doing_nothing_to_the_oracle() -> None:
+    assert [share_of_scale(score, (0.1, 0.9)) for score in (0.1, 0.5, 0.9)] == pytest.approx(
+        [0.0, 50.0, 100.0]
+    )
+
+
+def test_a_row_has_score_interval_share_of_the_scale_step_and_parts() -> None:
+    rows = reference_table(ENTRIES, TITLES, block=2).splitlines()[2:]
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+
+    assert [row[0] for row in cells] == ["Nothing", "PI", "Oracle"]
+    assert [row[2] for row in cells] == ["0.0", "42.8", "100.0"]
+    assert cells[1][1].startswith("0.305 (0.2")
+    assert cells[1][4:] == ["0.205", "0.405", "0.300", "0.310"]
+    low, high = map(float, cells[1][3].split(" to "))
+    assert low < 0.295 < high
+
+
+def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
+    path = tmp_path / "page.md"
+    other = "| entry | points |\n|---|---|\n| PI | 84.7 |\n"
+    old = "| entry | current held [m/s] |\n|---|---|\n| PI | 1 |\n"
+    path.write_text(f"{other}\nbefore\n\n{old}\nafter\n")
+
+    insert(path, reference_table(ENTRIES, TITLES, block=2))
+
+    text = path.read_text()
+    assert text.startswith(f"{other}\nbefore\n\n| entry | current held [m/s], 95 % interval |")
+    assert text.endswith("|\n\nafter\n")
+    assert "| PI | 1 |" not in text
+
+
+def test_each_entry_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
+    stored = known_entries()
+    steps = {
+        (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=2)
+        for worse, better in pairwise(ordered(stored))
+    }
+
+    assert set(stored) == set(benchmark(NAME).baselines)
+    assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
+
+
+def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale() -> None:
+    stored, entry = known_entries(), benchmark(NAME)
+    titles = {name: mark.title for name, mark in entry.baselines.items()}
+
+    assert reference_table(stored, titles, block=2) in (DOCS / "benchmarks.md").read_text("utf-8")
+    assert entry.scale == pytest.approx(
+        [mean(stored[name].scores) for name in ("nothing", "oracle")], abs=0.0005
+    )
