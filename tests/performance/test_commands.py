@@ -60,7 +60,9 @@ def test_every_command_of_the_documentation_exists() -> None:
     named = {
         name
         for file in files
-        for name in re.findall(r"(?:\./run|python -m)\s+performance\s+([a-z_]+)", file.read_text())
+        for name in re.findall(
+            r"(?:\./run|python -m)\s+performance[ \n]([a-z_]+)", file.read_text()
+        )
     }
 
     assert len(named) > 20
