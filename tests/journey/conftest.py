@@ -1,5 +1,6 @@
 """The real service, started by `seamark up` in a temporary folder, and browsers to visit it."""
 
+import asyncio
 import contextlib
 import os
 import shutil
@@ -118,7 +119,32 @@ def chromium() -> Iterator[Browser]:
             executable_path=CHROMIUM, args=[*options, *SOFTWARE_RENDERING]
         )
         yield browser
+        asyncio._set_running_loop(browser._loop)
         browser.close()
+
+
+# After each call Playwright marks its event loop as the running one of this thread, while a
+# browser is open. Between tests it must not be: `asyncio.run` in another test would not start.
+_SUSPENDED = pytest.StashKey[asyncio.AbstractEventLoop]()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Function) -> None:
+    """Resume Playwright's event loop for a test with a browser."""
+    if "chromium" in item.fixturenames:
+        asyncio._set_running_loop(item.session.stash.get(_SUSPENDED, None))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
+    """Suspend the loop when all that the test leaves behind is closed."""
+    if (loop := asyncio._get_running_loop()) is not None:
+        item.session.stash[_SUSPENDED] = loop
+    asyncio._set_running_loop(item.session.stash.get(_SUSPENDED, None))
+    try:
+        yield
+    finally:
+        asyncio._set_running_loop(None)
 
 
 @pytest.fixture
@@ -138,7 +164,7 @@ def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
 
 
 @pytest.fixture(scope="session")
-def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
+def finished(chromium: Browser, service: Service) -> tuple[int, Any]:
     """A public run that has finished, and the cookies of its owner."""
     context = chromium.new_context()
     visitor = Visitor(context.new_page(), service.url)
@@ -149,5 +175,4 @@ def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
     visitor.wait_for("succeeded")
     visitor.publish()
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
-    yield run_id, context.storage_state()
-    context.close()
+    return run_id, context.storage_state()
