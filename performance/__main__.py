@@ -10,7 +10,7 @@ from itertools import takewhile
 
 from performance import commands
 from performance.commands import ALL, MODULES, QUICK, TABLES, takes_arguments
-from seamark.server import log
+from seamark.server.monitoring import log
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -20,7 +20,7 @@ from seamark import templates
 from seamark.server import api, pages
 from seamark.server.accounts.browser_sessions import SESSION_DAYS
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import camera_view
+from seamark.server.runs.showing import camera_view
 from seamark.server.settings import Settings
 from seamark.server.web import (
     authentication,

@@ -9,18 +9,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from seamark.programs import preparation
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
-from seamark.server.programs import preparation, store
+from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import first_results, publications, results, submission, views
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.publications import Terms
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.results import Report
-from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.views import RunView
+from seamark.server.runs.ending import first_results, results
+from seamark.server.runs.ending.results import Report
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.states import RunKind, RunState
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import submission
 from seamark.server.settings import Settings
 
 USERS = ("ann", "eva", "ben")

@@ -74,7 +74,7 @@ def _counted() -> list[dict[str, object]]:
 
 
 def _score_class(score: float) -> int:
-    """As server/runs/score_counts.py had it: a migration must not change with the code."""
+    """As server/runs/leaderboard/score_counts.py had it: a migration must not change with the code."""
     if score < 2.0**-10:
         return 0
     mantissa, exponent = math.frexp(score)

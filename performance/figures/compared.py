@@ -22,8 +22,8 @@ from performance.service.web.player import SOFTWARE
 from seamark.client import Client
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
-from seamark.server.runs import publications
-from seamark.server.runs.publications import Terms
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
 from tests.services.embedded import cancel_baselines, started
 
 COMPARED = ("a disturbance observer", "P")  # the first one is followed

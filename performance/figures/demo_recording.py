@@ -1,6 +1,6 @@
 """Record the run that the home page shows.
 
-Writes server/runs/demo/: the telemetry of the run and its digest, and what the player needs beside
+Writes server/runs/showing/demo/: its telemetry and digest, and what the player needs beside
 it. The telemetry is that of `seamark run` with the same settings and seed. Writes
 templates/static/demo/: pictures of the scene, moving and still, for the time until the player
 draws, from Chromium without a graphics card.
@@ -22,15 +22,9 @@ from playwright.sync_api import Page, sync_playwright
 
 from performance.service.web.player import SOFTWARE, served
 from seamark import templates
-from seamark.server.runs import camera_view, recorded_demo, scene
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.recorded_demo import (
-    FOLDER,
-    IMAGE_EVERY_S,
-    IMAGES,
-    SCENE,
-    TEXTURES,
-)
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing import camera_view, recorded_demo, scene
+from seamark.server.runs.showing.recorded_demo import FOLDER, IMAGE_EVERY_S, IMAGES, SCENE, TEXTURES
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.program import BuiltIn

@@ -21,9 +21,9 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
-from seamark.server.runs import publications
-from seamark.server.runs.publications import Terms
-from seamark.server.runs.states import LIVE
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
+from seamark.server.runs.record.states import LIVE
 from seamark.server.settings import Settings
 from tests.services.embedded import cancel_baselines, started
 

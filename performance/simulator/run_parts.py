@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from performance.tables import Row, cpu_us
 from seamark.sandbox.box import Box
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.camera.camera import Camera
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine import closed_loop

@@ -14,8 +14,8 @@ from scipy import stats
 
 from performance.statistics.population import stored
 from performance.tables import markdown_table
-from seamark.server.runs.ranking import Estimate, Population
-from seamark.server.runs.trial_scores import block_of
+from seamark.server.runs.leaderboard.ranking import Estimate, Population
+from seamark.server.runs.record.trial_scores import block_of
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.statistics import mean_interval
 

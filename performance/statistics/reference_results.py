@@ -8,7 +8,7 @@ from importlib.metadata import version
 from multiprocessing import get_context
 from typing import NamedTuple
 
-from seamark.server.runs import board_metrics
+from seamark.server.runs.leaderboard import board_metrics
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.benchmarks.reference_results import ReferenceResult

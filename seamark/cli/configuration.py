@@ -17,8 +17,8 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from seamark.server.programs.parameters import Parameter
-    from seamark.server.programs.preparation import PreparedProgram
+    from seamark.programs.parameters import Parameter
+    from seamark.programs.preparation import PreparedProgram
     from seamark.sim.benchmarks.benchmark import Benchmark
     from seamark.sim.settings.configuration import Configuration
 
@@ -69,7 +69,7 @@ def run_configuration_of(
     UsageRefused
         There is no such benchmark, or a setting or parameter is invalid.
     """
-    from seamark.server.runs import configurations
+    from seamark.programs import configurations
     from seamark.sim.settings.configuration import ConfigurationInvalid
 
     benchmark = benchmark_of(name)

@@ -8,15 +8,15 @@ from typing import Any
 
 from seamark.failures import UsageRefused
 from seamark.plots.result import Result
-from seamark.server.programs.parameters import KEY
-from seamark.server.runs.side_by_side import RUNS_MAX, RUNS_MIN, side_by_side
+from seamark.programs.parameters import KEY
+from seamark.server.runs.showing.side_by_side import RUNS_MAX, RUNS_MIN, side_by_side
 from seamark.sim import registry
 from seamark.sim.settings.position_controllers import UPLOAD
 
 
 @dataclass(frozen=True, slots=True)
 class ComparedResult:
-    """A result as a `seamark.server.runs.compared_run.ComparedRun`."""
+    """A result as a `seamark.server.runs.showing.compared_run.ComparedRun`."""
 
     id: int  # its position, from 1
     result: Result

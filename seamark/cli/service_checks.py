@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection
 
     from seamark.server.database.engine import Database
-    from seamark.server.objects import Objects
     from seamark.server.settings import Settings
+    from seamark.server.storage.objects import Objects
 
 ANSWER_S = 8.0  # [s] in which every part has to answer
 _NO_BUCKET = "404 Not Found"  # to the question what is in it
@@ -193,7 +193,7 @@ def _data_folder(settings: Settings) -> Iterable[Check]:
 
 
 def _open_files(settings: Settings) -> Iterable[Check]:
-    from seamark.server import private_files
+    from seamark.server.storage import private_files
 
     if found := private_files.open_to_others(settings):
         says = f"other users may read {', '.join(path.name for path in found)}"
@@ -202,8 +202,8 @@ def _open_files(settings: Settings) -> Iterable[Check]:
 
 
 def _objects(settings: Settings) -> Iterable[Check]:
-    from seamark.server import objects
-    from seamark.server.objects import ObjectsAway
+    from seamark.server.storage import objects
+    from seamark.server.storage.objects import ObjectsAway
 
     name, stored = "object storage", objects.of(settings)
     if stored is None:
@@ -220,7 +220,7 @@ def _objects(settings: Settings) -> Iterable[Check]:
 
 def _is_new(stored: Objects) -> bool:
     """Return whether there is nothing yet; raises ObjectsAway also if there is no bucket."""
-    from seamark.server.objects import MARK
+    from seamark.server.storage.objects import MARK
 
     return not stored.folders("") and stored.get(MARK) is None
 
@@ -252,7 +252,7 @@ def _explained(settings: Settings, why: str) -> tuple[str, str]:
 
 
 def _room(settings: Settings) -> Iterable[Check]:
-    from seamark.server import storage
+    from seamark.server.storage import storage
 
     data = settings.data
     folder = next(folder for folder in (data, *data.parents) if folder.exists())

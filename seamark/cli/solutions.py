@@ -12,8 +12,8 @@ from seamark.cli.extras import has_simulator
 from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
 
 if TYPE_CHECKING:
+    from seamark.programs.preparation import PreparedProgram
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.server.programs.preparation import PreparedProgram
 
 
 def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
@@ -75,10 +75,10 @@ def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
     ProgramFailed
         The server would refuse an upload of it.
     """
+    from seamark.programs.archives import is_archive
+    from seamark.programs.preparation import UploadRejected
+    from seamark.programs.preparation import prepare as prepare_upload
     from seamark.sandbox.languages import language_of
-    from seamark.server.programs.archives import is_archive
-    from seamark.server.programs.preparation import UploadRejected
-    from seamark.server.programs.preparation import prepare as prepare_upload
     from seamark.sim import registry
 
     if language_of(path.name) is None and not is_archive(path.name):

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 from seamark.cli.drafts import draft_of
 from seamark.cli.extras import install_line, missing
 from seamark.failures import UsageRefused
-from seamark.server.programs import parameters
-from seamark.server.runs import configurations
-from seamark.server.runs.setting_values import in_effect
+from seamark.programs import configurations, parameters
+from seamark.programs.setting_values import in_effect
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.position_controllers import UPLOAD
@@ -27,8 +26,8 @@ from seamark.tuning.search_space import Dimension, Schema, Value, read_dimension
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from seamark.server.programs.parameters import Parameter
-    from seamark.server.programs.preparation import PreparedProgram
+    from seamark.programs.parameters import Parameter
+    from seamark.programs.preparation import PreparedProgram
 
 PACKAGES = ("cmaes", "optuna", "tomli_w")  # of this extra
 _TUNABLE = ("number", "integer", "boolean", "string")

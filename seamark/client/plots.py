@@ -31,7 +31,7 @@ def figure(document: RunDocument, rows: NDArray[np.void], *, title: str, trial: 
     tables.package("seamark.plots")
     from seamark.plots import charts, picture
     from seamark.plots.result import Result
-    from seamark.server.programs import parameters
+    from seamark.programs import parameters
 
     settings, _ = parameters.split(document["config"])
     result = Result(

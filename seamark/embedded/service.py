@@ -134,7 +134,7 @@ class Embedded:
         from seamark.server.database import schema
         from seamark.server.database.data_folder import WrongDataFolder
         from seamark.server.database.engine import Database
-        from seamark.server.runs import baselines
+        from seamark.server.runs.submission import baselines
 
         quiet = structlog.make_filtering_bound_logger(logging.WARNING)
         structlog.configure(wrapper_class=quiet)  # the terminal is for people

@@ -60,9 +60,9 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     PlatformFailed
         The database has not been brought to this version, or the data folder is not its own.
     """
-    from seamark.server import log
     from seamark.server.database import schema
     from seamark.server.database.data_folder import WrongDataFolder
+    from seamark.server.monitoring import log
 
     log.configure(settings.log_level, settings.log_format)
     try:

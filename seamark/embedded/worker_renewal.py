@@ -75,7 +75,7 @@ class WorkerRenewal:
 
     def __enter__(self) -> WorkerRenewal:
         """Let runs wait for what is being installed."""
-        from seamark.server import installation
+        from seamark.server.storage import installation
 
         if self._installer is not None:
             self._announcement.enter_context(installation.announced(self._settings))
@@ -100,7 +100,7 @@ class WorkerRenewal:
 
     def _replace_worker(self) -> None:
         """Start a successor, unless the simulator is still being compiled."""
-        from seamark.server import workers
+        from seamark.server.messaging import workers
 
         with self._writing() as session:
             listed = [worker for worker in workers.listed(session) if _is_ours(worker.name)]
@@ -117,7 +117,7 @@ class WorkerRenewal:
 
     def _end_predecessor(self, predecessor: _Predecessor) -> None:
         """Let the old worker end when it has finished its runs, then take it off the list."""
-        from seamark.server import workers
+        from seamark.server.messaging import workers
 
         with self._writing() as session:
             if predecessor.child in self._children.children:
@@ -130,7 +130,8 @@ class WorkerRenewal:
 
     def _end_announcement(self, installer: Path) -> None:
         """Say that nothing is being installed any more when a worker has tried all of it."""
-        from seamark.server import installation, workers
+        from seamark.server.messaging import workers
+        from seamark.server.storage import installation
 
         if installation.is_locked(installer):
             self._installed_at = time.monotonic()
@@ -162,7 +163,7 @@ def _is_ours(worker: str) -> bool:
 
 
 def _has_runs(session: Session, names: Collection[str]) -> bool:
-    from seamark.server import workers
-    from seamark.server.runs import queue
+    from seamark.server.messaging import workers
+    from seamark.server.runs.queue import queue
 
     return any(workers.worker_of(process) in names for process in queue.busy_processes(session))

@@ -8,11 +8,11 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from seamark.server import audit
-from seamark.server.audit import Actor, AuditAction, AuditFilter
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import Actor, AuditAction, AuditFilter
 from seamark.server.database.tables import User
-from seamark.server.runs import disk_usage, retention_pass
-from seamark.server.runs.disk_usage import Report, Usage
+from seamark.server.runs.data import disk_usage, retention_pass
+from seamark.server.runs.data.disk_usage import Report, Usage
 from seamark.server.settings import Settings
 
 LAST_PASSES = 5

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from seamark.server import audit, workers
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.administration import live_runs
 from seamark.server.administration.live_runs import LiveRun
-from seamark.server.audit import Actor, AuditAction
-from seamark.server.workers import WorkerStatus
+from seamark.server.messaging import workers
+from seamark.server.messaging.workers import WorkerStatus
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import Session
 
-from seamark.server import workers
 from seamark.server.database.tables import IS_RUNNING, Run, User
-from seamark.server.runs import queue, start_order
+from seamark.server.messaging import workers
+from seamark.server.runs.queue import queue, start_order
 
 WAITING_MAX = 200  # runs that are listed
 RUNNING_MAX = 1000

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
-from seamark.server import storage, workers
-from seamark.server.audit import AuditAction
+from seamark.programs.failure_reasons import FailureReason
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.tables import IS_LISTED, Run
-from seamark.server.runs import reference_entries, totals
-from seamark.server.runs.failure_reasons import FailureReason
-from seamark.server.runs.states import FINAL, RunState
+from seamark.server.messaging import workers
+from seamark.server.messaging.workers import WorkerStatus
+from seamark.server.runs.leaderboard import reference_entries
+from seamark.server.runs.record import totals
+from seamark.server.runs.record.states import FINAL, RunState
 from seamark.server.settings import Settings
-from seamark.server.workers import WorkerStatus
+from seamark.server.storage import storage
 
 LONG_WAIT_S = 900.0  # of the oldest run in the queue: longer needs a look
 _DAY_S = 86_400.0

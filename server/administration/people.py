@@ -8,16 +8,16 @@ from typing import Any
 from sqlalchemy import ColumnElement, delete, func, select
 from sqlalchemy.orm import Session
 
-from seamark.server import audit
-from seamark.server.accounts import accounts, password_resets
+from seamark.server.accounts import accounts, audit, password_resets
 from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.accounts.permissions import Role, Viewer
-from seamark.server.audit import Actor, AuditAction
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
 from seamark.server.database.tables import BrowserSession, Run, Token, User
-from seamark.server.runs import account_deletion, quota, results
-from seamark.server.runs.quota import Quota
-from seamark.server.runs.states import LIVE
+from seamark.server.runs.ending import account_deletion, results
+from seamark.server.runs.record.states import LIVE
+from seamark.server.runs.submission import quota
+from seamark.server.runs.submission.quota import Quota
 from seamark.server.settings import Settings
 
 PAGE, PAGE_MAX = 50, 200

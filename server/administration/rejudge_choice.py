@@ -10,8 +10,8 @@ from sqlalchemy.sql.base import ReadOnlyColumnCollection
 from sqlalchemy.sql.elements import KeyedColumnElement
 
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs import connected
-from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.record import connected
+from seamark.server.runs.record.states import RunKind, RunState
 from seamark.sim.recording.manifest import code_sha256
 
 RUNS_MAX = 1000  # of the benchmark and the period that are looked at, the newest first

@@ -1,6 +1,6 @@
 """Computing a set of runs again, with a preview of what would change before anything does.
 
-1. `start` queues a hidden run for each chosen one (server/runs/rejudged.py). At most one
+1. `start` queues a hidden run for each chosen one (runs/recomputation/rejudged.py). At most one
    rejudgement waits for its decision.
 2. The workers evaluate them after everybody's runs; each is compared as it ends.
 3. `accept` replaces the results that differ, in one transaction; `discard` ends it at any time.
@@ -16,18 +16,22 @@ from sqlalchemy import case, func, select, update
 from sqlalchemy.orm import Session, aliased, undefer
 
 from seamark.sandbox.printable_text import visible_text
-from seamark.server import audit, storage
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.administration import rejudge_choice
 from seamark.server.administration.rejudge_choice import RunChoice
-from seamark.server.audit import Actor, AuditAction
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import best_runs, rejudged, results, turns
-from seamark.server.runs.rank_preview import RankChange, RankPreview
-from seamark.server.runs.rejudged import Outcome
-from seamark.server.runs.states import FINAL, LIVE, RunKind
+from seamark.server.runs.ending import results
+from seamark.server.runs.leaderboard import best_runs
+from seamark.server.runs.leaderboard.rank_preview import RankChange, RankPreview
+from seamark.server.runs.recomputation import rejudged
+from seamark.server.runs.recomputation.rejudged import Outcome
+from seamark.server.runs.record import turns
+from seamark.server.runs.record.states import FINAL, LIVE, RunKind
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 
 PAGE, PAGE_MAX = 50, 200
 REASON_MAX = 500  # [character]

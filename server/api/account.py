@@ -11,6 +11,7 @@ from flask_openapi3.models.tag import Tag
 from flask_wtf.csrf import generate_csrf
 
 from seamark.server.accounts import accounts, invitations
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.api import request_body
 from seamark.server.api.class_schemas import ExportQuery
@@ -24,9 +25,9 @@ from seamark.server.api.schemas import (
     TokenResponse,
     TokensResponse,
 )
-from seamark.server.audit import AuditAction
 from seamark.server.database.tables import Token
-from seamark.server.runs import export, quota
+from seamark.server.runs.downloads import export
+from seamark.server.runs.submission import quota
 from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

@@ -17,9 +17,12 @@ from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.publication_schemas import PublicationRequest, VerificationRequested
 from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
-from seamark.server.runs import cancellation, deletion, retention, run_notes, views
-from seamark.server.runs.publications import PublicationRefused
-from seamark.server.runs.verifications import VerificationRefused
+from seamark.server.runs.data import retention
+from seamark.server.runs.ending import cancellation, deletion
+from seamark.server.runs.publication.publications import PublicationRefused
+from seamark.server.runs.recomputation.verifications import VerificationRefused
+from seamark.server.runs.record import run_notes
+from seamark.server.runs.showing import views
 from seamark.server.web import access, publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

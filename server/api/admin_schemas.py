@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from seamark.server import audit
+from seamark.server.accounts import audit
 from seamark.server.administration.live_runs import WAITING_MAX
 from seamark.server.administration.people import PAGE_MAX, QUOTA_DAY_MAX, SEARCH_MAX
 from seamark.server.api.query import Query

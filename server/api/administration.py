@@ -11,9 +11,9 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
 
-from seamark.server import audit
-from seamark.server.accounts import password_resets
+from seamark.server.accounts import audit, password_resets
 from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.audit import AuditFilter
 from seamark.server.accounts.permissions import Action, Role
 from seamark.server.administration import disk, fleet, live_runs, overview, people
 from seamark.server.administration.fleet import FleetWorker
@@ -37,7 +37,6 @@ from seamark.server.api.admin_schemas import (
     WorkersResponse,
 )
 from seamark.server.api.operation_ids import operation_id
-from seamark.server.audit import AuditFilter
 from seamark.server.database.tables import User
 from seamark.server.web import access
 from seamark.server.web.problems import Problem

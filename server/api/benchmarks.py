@@ -10,7 +10,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
-from seamark.server.runs import submission
+from seamark.server.runs.submission import submission
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry

@@ -6,9 +6,9 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from seamark.programs.diagnostics import Diagnostic
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel
-from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.web.url_converters import ROW_ID_MAX
 
 

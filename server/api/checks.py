@@ -10,18 +10,18 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
-from seamark.server import workers
+from seamark.programs import check_report, configurations
+from seamark.programs.preparation import PreparedProgram
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
 from seamark.server.api.check_schemas import CheckPath, CheckQuery, CheckResponse
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunRequest
-from seamark.server.checks import queue, report
-from seamark.server.checks.queue import CheckState, CheckView
-from seamark.server.programs import store
-from seamark.server.programs.preparation import PreparedProgram
-from seamark.server.runs import configurations, submission
-from seamark.server.runs.submission import SubmissionRejected
+from seamark.server.messaging import workers
+from seamark.server.programs import check_queue, store
+from seamark.server.programs.check_queue import CheckState, CheckView
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import SubmissionRejected
 from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -96,8 +96,8 @@ def _enqueue(benchmark: Benchmark, values: dict[str, Any], prepared: PreparedPro
         submission.require_language(session, benchmark, prepared.language, current.settings)
     program = store.save(prepared, current.settings)
     with current.database.writing() as session:
-        check_id = queue.enqueue(session, user_id, benchmark.name, values, program)
-    queue.wake_worker(current.redis)
+        check_id = check_queue.enqueue(session, user_id, benchmark.name, values, program)
+    check_queue.wake_worker(current.redis)
     return check_id
 
 
@@ -118,7 +118,7 @@ def _wait_for(check_id: int, seconds: float) -> CheckView:
 
 def _view(check_id: int, user_id: int) -> CheckView:
     with services().database.reading() as session:
-        view = queue.show(session, check_id, user_id)
+        view = check_queue.show(session, check_id, user_id)
     if view is None:
         raise Problem("not-found", _NOT_FOUND.format(check_id))
     return view
@@ -134,7 +134,7 @@ def _response(view: CheckView, more: dict[str, Any]) -> Response:
 
 
 def _document(view: CheckView) -> dict[str, Any]:
-    found = view.report or report.from_diagnostics([]) | {"ok": None}
+    found = view.report or check_report.from_diagnostics([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
     return {name: getattr(view, name) for name in names} | {"state": view.state.value} | found
 
@@ -148,4 +148,4 @@ def _only_read(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
         "language": prepared.language,
         "state": CheckState.DONE.value,
     }
-    return check | report.from_diagnostics(prepared.diagnostics)
+    return check | check_report.from_diagnostics(prepared.diagnostics)

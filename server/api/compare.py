@@ -16,17 +16,17 @@ from pydantic import Field
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel, RunResponse, run_answer
-from seamark.server.runs import overlaid_series
-from seamark.server.runs.overlaid_series import Part
-from seamark.server.runs.seeds import trial_seeds
-from seamark.server.runs.side_by_side import (
+from seamark.server.runs.record.seeds import trial_seeds
+from seamark.server.runs.showing import overlaid_series
+from seamark.server.runs.showing.overlaid_series import Part
+from seamark.server.runs.showing.side_by_side import (
     COLUMNS_MAX,
     RUNS_MAX,
     RUNS_MIN,
     SideBySide,
     side_by_side,
 )
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, caching, compared_runs
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

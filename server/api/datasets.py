@@ -11,10 +11,10 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import DatasetQuery, RunPath
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.paced_place import PacedPlace, PlaceTaken
-from seamark.server.runs.seeds import seeds_hidden, trial_seeds
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.downloads.paced_place import PacedPlace, PlaceTaken
+from seamark.server.runs.record.seeds import seeds_hidden, trial_seeds
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

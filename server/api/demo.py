@@ -20,10 +20,10 @@ from seamark.server.api.schemas import (
     TrialQuery,
 )
 from seamark.server.api.series import series_of
-from seamark.server.runs import recorded_demo
-from seamark.server.runs.camera_view import Drawn
-from seamark.server.runs.error_curve import error_column
-from seamark.server.runs.moments import moments as find_moments
+from seamark.server.runs.data.error_curve import error_column
+from seamark.server.runs.showing import recorded_demo
+from seamark.server.runs.showing.camera_view import Drawn
+from seamark.server.runs.showing.moments import moments as find_moments
 from seamark.server.web import caching
 from seamark.server.web.services import services
 

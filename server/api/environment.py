@@ -9,8 +9,8 @@ from flask_openapi3.models.tag import Tag
 from pydantic import BaseModel, Field
 
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server import workers
 from seamark.server.api.operation_ids import operation_id
+from seamark.server.messaging import workers
 from seamark.server.web.services import services
 
 api = APIBlueprint(

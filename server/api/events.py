@@ -14,16 +14,16 @@ from flask_openapi3.models.tag import Tag
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import EventsQuery, RunPath
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.views import RunView
-from seamark.server.streams import events
-from seamark.server.streams.events import LOG, Position
-from seamark.server.streams.excerpts import START, Excerpt, excerpt, position_now
-from seamark.server.streams.feed import state_values
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, authentication
 from seamark.server.web.asgi import CONTINUATION, Connection
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.server.web.streams import events
+from seamark.server.web.streams.events import LOG, Position
+from seamark.server.web.streams.excerpts import START, Excerpt, excerpt, position_now
+from seamark.server.web.streams.feed import state_values
 
 FULL_RETRY_S = 10
 REPLAYS_KEPT = 32  # of 50 KB at most

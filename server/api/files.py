@@ -9,15 +9,15 @@ from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.server import storage
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.seeds import seeds_hidden
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.seeds import seeds_hidden
+from seamark.server.runs.showing.views import RunView
+from seamark.server.storage import storage
 from seamark.server.web import access, caching
 from seamark.server.web.citation import with_publication
 from seamark.server.web.problems import Problem
@@ -173,7 +173,7 @@ def program(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/camera.jpg", responses=answers_with("image/jpeg"))
 def camera(path: RunPath, query: CameraQuery) -> Response:
     """Render the camera image at a simulated time; with neither outline it is the bare image."""
-    from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.server.runs.showing import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
     view = access.run_for(path.run_id)
     access.require_data(view)

@@ -18,11 +18,11 @@ from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath
 from seamark.server.programs import store
-from seamark.server.runs import citations
-from seamark.server.runs.conversions import Job
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.seeds import trial_seeds
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.downloads.conversions import Job
+from seamark.server.runs.publication import citations
+from seamark.server.runs.record.seeds import trial_seeds
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, caching, rate_limits
 from seamark.server.web.citation import citation_of, with_publication
 from seamark.server.web.problems import Problem

@@ -9,7 +9,7 @@ from pydantic import Field
 from seamark.server.api.publication_schemas import VerificationResponse
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel
-from seamark.server.runs.leaderboard_filters import SORTED_MAX
+from seamark.server.runs.leaderboard.leaderboard_filters import SORTED_MAX
 
 
 class RankQuery(Query):

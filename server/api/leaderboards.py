@@ -16,11 +16,12 @@ from seamark.server.api.leaderboard_schemas import RankQuery, RanksResponse
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
-from seamark.server.runs import leaderboard_filters, reference_entries, verifications
-from seamark.server.runs.leaderboard import Cursor, Rank
-from seamark.server.runs.leaderboard_filters import BoardFilter, BoardPage
-from seamark.server.runs.solutions import entry_name
-from seamark.server.runs.verifications import VerificationView
+from seamark.server.runs.leaderboard import leaderboard_filters, reference_entries
+from seamark.server.runs.leaderboard.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard.leaderboard_filters import BoardFilter, BoardPage
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.recomputation.verifications import VerificationView
+from seamark.server.runs.record.solutions import entry_name
 from seamark.server.web import access, csv_export
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

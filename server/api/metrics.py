@@ -14,7 +14,7 @@ from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 from werkzeug.exceptions import NotFound
 
-from seamark.server import meters
+from seamark.server.monitoring import meters
 from seamark.server.web import service_gauges
 from seamark.server.web.services import Services, services
 

@@ -11,8 +11,8 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunResponse, run_answer
-from seamark.server.runs import views
-from seamark.server.runs.log_reader import LogTooLarge
+from seamark.server.runs.logs.log_reader import LogTooLarge
+from seamark.server.runs.showing import views
 from seamark.server.web import access, body_limits, rate_limits
 from seamark.server.web.mission_logs import open_log
 from seamark.server.web.problems import Problem

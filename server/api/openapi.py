@@ -21,7 +21,7 @@ from seamark.server.api.mail import MailRequest
 from seamark.server.api.publication_schemas import PublicationRequest
 from seamark.server.api.schemas import InvitationsRequest, ProfileBody, RunRequest, TokenRequest
 from seamark.server.api.sweeps import SweepRequest
-from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
+from seamark.server.runs.record.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
 page = Blueprint("openapi", __name__)

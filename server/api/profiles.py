@@ -14,8 +14,8 @@ from seamark.server.accounts.profiles import Profile, ProfileRejected
 from seamark.server.api import request_body
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import ProfileBody, UserPath, UserQuery, UserResponse
-from seamark.server.runs import standings
-from seamark.server.runs.standings import Standing
+from seamark.server.runs.showing import standings
+from seamark.server.runs.showing.standings import Standing
 from seamark.server.web import access
 from seamark.server.web.known_users import user_of
 from seamark.server.web.problems import Problem

@@ -6,11 +6,11 @@ import re
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from seamark.programs.licences import LICENCES
 from seamark.server.api.schemas import ResponseModel
-from seamark.server.runs.licences import LICENCES
-from seamark.server.runs.method_names import METHOD_MAX
-from seamark.server.runs.publications import Terms
-from seamark.server.runs.verifications import Outcome
+from seamark.server.runs.publication.publications import Terms
+from seamark.server.runs.recomputation.verifications import Outcome
+from seamark.server.runs.record.method_names import METHOD_MAX
 
 
 class PublicationRequest(BaseModel):

@@ -15,20 +15,15 @@ from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.publication_schemas import PublicationResponse
 from seamark.server.api.schemas import RunPath
-from seamark.server.runs import (
-    badge,
-    citations,
-    leaderboard,
-    publications,
-    score_counts,
-    verifications,
-)
-from seamark.server.runs.citations import Citation
-from seamark.server.runs.qualifier import qualifier
-from seamark.server.runs.solutions import entry_name
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.verifications import Outcome
-from seamark.server.runs.views import RunView
+from seamark.server.runs.leaderboard import leaderboard, score_counts
+from seamark.server.runs.publication import badge, citations, publications
+from seamark.server.runs.publication.citations import Citation
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.recomputation.verifications import Outcome
+from seamark.server.runs.record.qualifier import qualifier
+from seamark.server.runs.record.solutions import entry_name
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, caching
 from seamark.server.web.citation import citation_of, result_of
 from seamark.server.web.problems import Problem

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from seamark.server.checks.queue import CheckRefused
+from seamark.programs.preparation import UploadRejected, UploadTooLarge
 from seamark.server.classes.refusals import ClassRefused
-from seamark.server.programs.preparation import UploadRejected, UploadTooLarge
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.submission import AccountNeeded, SignInNeeded, SubmissionRejected
+from seamark.server.programs.check_queue import CheckRefused
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.runs.submission.submission import (
+    AccountNeeded,
+    SignInNeeded,
+    SubmissionRejected,
+)
 from seamark.server.web.problems import Problem
 from seamark.sim.settings.configuration import ConfigurationInvalid
 

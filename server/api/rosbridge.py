@@ -18,14 +18,16 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.database.engine import DATABASE_AWAY
-from seamark.server.runs import cancellation, queue, submission
-from seamark.server.runs.connected import ROSBRIDGE
-from seamark.server.runs.submission import Submission, ValidSubmission
-from seamark.server.storage import StorageUnavailable
-from seamark.server.streams.bridge_session import BUSY_RETRY_S, BridgeSession, SessionRefused
+from seamark.server.runs.ending import cancellation
+from seamark.server.runs.queue import queue
+from seamark.server.runs.record.connected import ROSBRIDGE
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import Submission, ValidSubmission
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import Services, services
+from seamark.server.web.streams.bridge_session import BUSY_RETRY_S, BridgeSession, SessionRefused
 from seamark.server.web.websockets import CONVERSATION, UPGRADE, NotAllowed, WebSocket
 
 api = APIBlueprint(

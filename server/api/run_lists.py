@@ -8,8 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import Text
-from seamark.server.runs.run_lists import PROGRAMS, SEARCH_MAX, SEEN_MAX, RunOrder
-from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
+from seamark.server.runs.record.run_notes import NOTES_MAX, TITLE_MAX
+from seamark.server.runs.showing.run_lists import PROGRAMS, SEARCH_MAX, SEEN_MAX, RunOrder
 from seamark.server.web.url_converters import ROW_ID_MAX
 
 

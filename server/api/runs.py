@@ -26,12 +26,14 @@ from seamark.server.api.schemas import (
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, rejudged, run_lists, submission, submission_keys, views
-from seamark.server.runs.rejudged import Recomputation
-from seamark.server.runs.run_lists import Place, RunFilter
-from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.submission import UPLOAD, Submission
-from seamark.server.runs.views import RunView
+from seamark.server.runs.recomputation import rejudged
+from seamark.server.runs.recomputation.rejudged import Recomputation
+from seamark.server.runs.record.states import RunKind, RunState
+from seamark.server.runs.showing import run_lists, views
+from seamark.server.runs.showing.run_lists import Place, RunFilter
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import assigned, submission, submission_keys
+from seamark.server.runs.submission.submission import UPLOAD, Submission
 from seamark.server.web import access, authentication, caching, rate_limits, uploads
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

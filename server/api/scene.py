@@ -10,8 +10,8 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath, SceneQuery, TextureQuery
-from seamark.server.runs import scene as scenes
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing import scene as scenes
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, caching
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

@@ -9,9 +9,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.api.query import Query
-from seamark.server.runs.columns import PublicRun
-from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record.columns import PublicRun
+from seamark.server.runs.record.run_notes import NOTES_MAX, TITLE_MAX
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
 

@@ -18,9 +18,9 @@ from seamark.server.api.schemas import (
     SeriesResponse,
     TrialQuery,
 )
-from seamark.server.runs.downsampling import BLOCK_ROWS, extremes_of_rows
-from seamark.server.runs.error_curve import error_column
-from seamark.server.runs.moments import moments as find_moments
+from seamark.server.runs.data.downsampling import BLOCK_ROWS, extremes_of_rows
+from seamark.server.runs.data.error_curve import error_column
+from seamark.server.runs.showing.moments import moments as find_moments
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.sim.recording.telemetry import INDEX
@@ -28,7 +28,7 @@ from seamark.sim.recording.telemetry import INDEX
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from seamark.server.runs.files import RunFiles
+    from seamark.server.runs.data.files import RunFiles
 
 COLUMNS_MAX = 64
 VALUES_MAX = 320_000  # of a response: more columns have fewer points

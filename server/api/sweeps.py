@@ -22,8 +22,9 @@ from seamark.server.api.schemas import (
     Text,
     run_answer,
 )
-from seamark.server.runs import cancellation, submission_keys, sweep_axes, sweeps
-from seamark.server.runs.sweeps import SweepView
+from seamark.server.runs.ending import cancellation
+from seamark.server.runs.submission import submission_keys, sweep_axes, sweeps
+from seamark.server.runs.submission.sweeps import SweepView
 from seamark.server.web import access, rate_limits
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import ROW_ID_MAX

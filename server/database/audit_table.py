@@ -9,7 +9,7 @@ from seamark.server.database.tables import Base, RowId
 
 
 class AuditEntry(Base):
-    """Something that somebody did (server/audit.py); names stay after their accounts are gone."""
+    """Something that somebody did (accounts/audit.py); names stay after their accounts are gone."""
 
     __tablename__ = "audit_entries"
 

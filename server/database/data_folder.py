@@ -11,11 +11,11 @@ from pathlib import Path
 from sqlalchemy import Connection, String, Text, insert, select, update
 from sqlalchemy.orm import Mapped, Session, mapped_column
 
-from seamark.server import objects, storage
+from seamark.server.database.result_code import difference, result_code
 from seamark.server.database.tables import Base
-from seamark.server.objects import ObjectsAway
-from seamark.server.result_code import difference, result_code
 from seamark.server.settings import Settings
+from seamark.server.storage import objects, storage
+from seamark.server.storage.objects import ObjectsAway
 
 
 class DataFolder(Base):

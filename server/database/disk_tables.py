@@ -1,4 +1,4 @@
-"""What takes how much room, as it was measured last (server/runs/disk_usage.py)."""
+"""What takes how much room, as it was measured last (server/runs/data/disk_usage.py)."""
 
 from sqlalchemy import BigInteger, String
 from sqlalchemy.orm import Mapped, mapped_column

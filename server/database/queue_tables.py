@@ -7,7 +7,7 @@ from seamark.server.database.tables import Base
 
 
 class Turn(Base):
-    """An owner with live runs, or who had one started today (server/runs/turns.py).
+    """An owner with live runs, or who had one started today (server/runs/record/turns.py).
 
     The owner with the fewest running runs goes first, then the one served longest ago.
     """
@@ -59,7 +59,7 @@ class Counter(Base):
 
 
 class Pace(Base):
-    """How long evaluations take: the mean of runs that succeeded (server/runs/paces.py)."""
+    """How long evaluations take: the mean of runs that succeeded (server/runs/queue/paces.py)."""
 
     __tablename__ = "paces"
 

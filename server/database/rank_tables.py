@@ -7,7 +7,7 @@ from seamark.server.database.tables import Base, RowId
 
 
 class RankPoint(Base):
-    """The rank that a user had at a time: a point of its history (server/runs/rank_history.py)."""
+    """The rank that a user had at a time: a point of its history (leaderboard/rank_history.py)."""
 
     __tablename__ = "rank_points"
 
@@ -23,7 +23,7 @@ class RankPoint(Base):
 
 
 class ScoreCount(Base):
-    """Number of people on a leaderboard in a class of scores (server/runs/score_counts.py)."""
+    """Number of people on a leaderboard in a class of scores (leaderboard/score_counts.py)."""
 
     __tablename__ = "score_counts"
 

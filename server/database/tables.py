@@ -20,7 +20,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
-from seamark.server.log import request_id
+from seamark.server.monitoring.log import request_id
 
 # SQLite autoincrements only columns of exactly this type.
 RowId = BigInteger().with_variant(Integer(), "sqlite")
@@ -140,7 +140,7 @@ class Run(Base):
     rejudges: Mapped[int | None] = mapped_column(BigInteger)  # hidden: computes this run again
     data_run: Mapped[int | None] = mapped_column(BigInteger)  # which recorded it; NULL: itself
     sweep_id: Mapped[int | None] = mapped_column(BigInteger)
-    sweep_cell: Mapped[int | None]  # from 0, row by row (server/runs/sweeps.py)
+    sweep_cell: Mapped[int | None]  # from 0, row by row (server/runs/submission/sweeps.py)
     expected_s: Mapped[float | None]  # wall time of its evaluation, estimated when submitted
     request_id: Mapped[str | None] = mapped_column(  # that queued it, for the logs
         String(64), default=request_id
@@ -170,7 +170,7 @@ class Run(Base):
     data_bytes: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     data_measured: Mapped[bool] = mapped_column(default=False, server_default=false())
     data_deleted_at: Mapped[float | None]  # telemetry, log and program; the row stays
-    deleted_at: Mapped[float | None]  # an empty row stays (server/runs/deletion.py)
+    deleted_at: Mapped[float | None]  # an empty row stays (server/runs/ending/deletion.py)
 
     __table_args__ = (
         CheckConstraint(
@@ -392,7 +392,7 @@ class Worker(Base):
     contents: Mapped[dict[str, list[dict[str, str]]]] = mapped_column(
         _Json, default=dict, server_default="{}"
     )
-    # side process -> "running", or what is wrong (see server/workers.py)
+    # side process -> "running", or what is wrong (see server/messaging/workers.py)
     processes: Mapped[dict[str, str]] = mapped_column(_Json, default=dict, server_default="{}")
     version: Mapped[str] = mapped_column(String(40), default="", server_default="")
     started_at: Mapped[float]

@@ -2,11 +2,11 @@
 
 import structlog
 
-from seamark.server import meters
 from seamark.server.database.engine import Database
 from seamark.server.mail import notices, outbox, texts
 from seamark.server.mail.outbox import ClaimedMail
 from seamark.server.mail.smtp import Deliver, MailRefused
+from seamark.server.monitoring import meters
 from seamark.server.settings import Settings
 
 _log = structlog.get_logger()

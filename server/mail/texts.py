@@ -7,9 +7,8 @@ from urllib.parse import quote
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.printable_text import visible_text
-from seamark.server import audit
-from seamark.server.accounts import password_resets
-from seamark.server.audit import AuditAction
+from seamark.server.accounts import audit, password_resets
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.database.mail_tables import MailAddress
 from seamark.server.database.tables import User
 from seamark.server.mail import addresses, notices, outbox

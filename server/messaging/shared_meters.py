@@ -14,7 +14,7 @@ from prometheus_client.metrics_core import Metric
 from redis import Redis
 from redis.exceptions import RedisError
 
-from seamark.server.meters import REGISTRY
+from seamark.server.monitoring.meters import REGISTRY
 
 COUNTED = "seamark.meters"  # a hash: name and labels as JSON -> sum of all processes
 REPORTED = "seamark.meters.web"  # a hash: web process -> when it reported [s], its open streams

@@ -5,10 +5,9 @@ from flask.typing import ResponseReturnValue
 from flask_limiter import RequestLimit
 from sqlalchemy.orm import Session
 
-from seamark.server import audit
-from seamark.server.accounts import accounts, invitations, profiles
+from seamark.server.accounts import accounts, audit, invitations, profiles
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action, grantable
-from seamark.server.audit import AuditAction
 from seamark.server.classes import classrooms
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.web import access, authentication, class_access

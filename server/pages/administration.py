@@ -7,11 +7,11 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server.accounts.audit import Actor
 from seamark.server.accounts.permissions import Action
 from seamark.server.administration import disk, fleet, live_runs
 from seamark.server.administration import overview as service_overview
-from seamark.server.audit import Actor
-from seamark.server.runs import cancellation
+from seamark.server.runs.ending import cancellation
 from seamark.server.web import access
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id

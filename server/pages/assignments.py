@@ -11,9 +11,10 @@ from seamark.server.classes.assignments import PRACTICE, RANKED, Draft
 from seamark.server.classes.classrooms import PAGE, ClassView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.pages import benchmarks
-from seamark.server.runs import assigned, run_lists, views
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing import run_lists, views
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import assigned
 from seamark.server.web import access, assignment_csv, class_access, csv_export
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id

@@ -3,9 +3,9 @@
 from flask import Blueprint, render_template, request
 from flask.typing import ResponseReturnValue
 
-from seamark.server import audit
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import AuditAction, AuditFilter
 from seamark.server.accounts.permissions import Action
-from seamark.server.audit import AuditAction, AuditFilter
 from seamark.server.web import access
 from seamark.server.web.services import services
 

@@ -8,7 +8,8 @@ from flask.typing import ResponseReturnValue
 from seamark import templates
 from seamark.server.pages import form_fields, guides, link_previews, plots
 from seamark.server.pages.plots import OnAxis
-from seamark.server.runs import leaderboard, reference_entries, score_counts, submission
+from seamark.server.runs.leaderboard import leaderboard, reference_entries, score_counts
+from seamark.server.runs.submission import submission
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark

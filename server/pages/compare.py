@@ -10,11 +10,13 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, link_previews
 from seamark.server.pages.compared_programs import program_differences
-from seamark.server.runs import leaderboard, run_lists
-from seamark.server.runs.comparison import reference_entries
-from seamark.server.runs.run_lists import RunFilter
-from seamark.server.runs.seeds import trial_seeds
-from seamark.server.runs.side_by_side import (
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.record.seeds import trial_seeds
+from seamark.server.runs.record.solutions import entry_name
+from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.comparison import reference_entries
+from seamark.server.runs.showing.run_lists import RunFilter
+from seamark.server.runs.showing.side_by_side import (
     COLUMNS_MAX,
     DIGEST,
     RUNS_MAX,
@@ -22,9 +24,8 @@ from seamark.server.runs.side_by_side import (
     SideBySide,
     side_by_side,
 )
-from seamark.server.runs.solutions import entry_name
-from seamark.server.runs.views import RunView
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.showing.views import RunView
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, compared_runs
 from seamark.server.web.services import services
 from seamark.sim import registry

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from flask import g
 
-from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.programs import store
 from seamark.server.programs.source_differences import FileDifference, differences, files_of
-from seamark.server.runs.views import RunView
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.showing.views import RunView
+from seamark.server.storage import storage
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web.services import services
 
 

@@ -8,10 +8,11 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts.permissions import Action
 from seamark.server.pages import benchmarks, prefill
 from seamark.server.pages.player_data import player_data
-from seamark.server.runs import recorded_demo, submission
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.submission import Submission
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.showing import recorded_demo
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.runs.submission.submission import Submission
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services

@@ -18,6 +18,9 @@ from flask import (
 )
 from flask.typing import ResponseReturnValue
 
+from seamark.programs import trial_limits
+from seamark.programs.failure_reasons import DESCRIPTIONS
+from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.sandbox.languages import (
     DEFAULT_LANGUAGE,
     LANGUAGES,
@@ -25,14 +28,11 @@ from seamark.sandbox.languages import (
 )
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
-from seamark.server import workers
+from seamark.server.messaging import workers
 from seamark.server.pages import benchmarks, docs_navigation, docs_search, guides
 from seamark.server.pages.docs_articles import sections_of
 from seamark.server.pages.docs_navigation import Entry
 from seamark.server.pages.docs_search import SearchIndex
-from seamark.server.programs.preparation import TEXT_MAX_BYTES
-from seamark.server.runs import trial_limits
-from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web import own_wheel
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address

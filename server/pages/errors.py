@@ -8,12 +8,12 @@ from flask.typing import ResponseReturnValue
 from flask_wtf.csrf import CSRFError
 from werkzeug.exceptions import HTTPException
 
-from seamark.server import storage
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.programs.fair_places import PlacesBusy
-from seamark.server.runs.run_size import size
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.data.run_size import size
+from seamark.server.storage import storage
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import authentication, problems
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

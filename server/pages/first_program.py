@@ -2,11 +2,11 @@
 
 from flask import Blueprint, g, render_template
 
+from seamark.programs.setting_values import text_of
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
-from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import recorded_demo
-from seamark.server.runs.setting_values import text_of
+from seamark.server.messaging import workers
+from seamark.server.runs.showing import recorded_demo
 from seamark.server.web.services import services
 from seamark.sim import registry
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from seamark.server.runs.setting_values import Schema, text_of
+from seamark.programs.setting_values import Schema, text_of
 
 SOLUTION_TITLE = "Solution"
 _LABEL_MAX = 22  # [character] that fit into one column of the form

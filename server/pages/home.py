@@ -8,13 +8,15 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES, kinds
-from seamark.server import workers
+from seamark.server.messaging import workers
 from seamark.server.pages import demo, link_previews
-from seamark.server.runs import leaderboard, reference_entries, run_lists, totals
-from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.reference_entries import ReferenceEntry
-from seamark.server.runs.run_lists import RunFilter
-from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.leaderboard import leaderboard, reference_entries
+from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
+from seamark.server.runs.record import totals
+from seamark.server.runs.record.states import LIVE, RunState
+from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.run_lists import RunFilter
 from seamark.server.web.services import services
 from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark

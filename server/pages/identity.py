@@ -5,12 +5,11 @@ import re
 from flask import Blueprint, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server import audit
-from seamark.server.accounts import accounts, identities, invitations
+from seamark.server.accounts import accounts, audit, identities, invitations
 from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.accounts.identities import Identity
 from seamark.server.accounts.permissions import Action
-from seamark.server.audit import Actor, AuditAction
 from seamark.server.pages import account, account_page
 from seamark.server.web import (
     access,

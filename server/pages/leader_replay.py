@@ -7,10 +7,11 @@ from flask import g
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import stored_files, views
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web.services import services
 
 _SEEN_MAX = 10  # runs that are looked at; storage can be away, or their data deleted

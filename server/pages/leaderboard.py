@@ -11,16 +11,15 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.server.pages import benchmarks, leader_replay, link_previews, plots
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.rank_plot import rank_plot
-from seamark.server.runs import (
+from seamark.server.runs.leaderboard import (
     leaderboard,
     leaderboard_filters,
     rank_history,
     reference_entries,
     score_counts,
-    verifications,
 )
-from seamark.server.runs.leaderboard import Cursor, Kind, Rank
-from seamark.server.runs.leaderboard_filters import (
+from seamark.server.runs.leaderboard.leaderboard import Cursor, Kind, Rank
+from seamark.server.runs.leaderboard.leaderboard_filters import (
     BUILT_IN,
     HIDE,
     ONLY,
@@ -29,8 +28,9 @@ from seamark.server.runs.leaderboard_filters import (
     BoardFilter,
     BoardPage,
 )
-from seamark.server.runs.ranking import Population
-from seamark.server.runs.reference_entries import ReferenceEntry
+from seamark.server.runs.leaderboard.ranking import Population
+from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
+from seamark.server.runs.recomputation import verifications
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric

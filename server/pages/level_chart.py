@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server.runs.downsampling import BLOCK_ROWS
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data.downsampling import BLOCK_ROWS
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark, Curve
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.statistics import mean

@@ -8,8 +8,8 @@ from flask import Blueprint, Response, request
 
 from seamark.server.pages import benchmarks
 from seamark.server.pages.link_previews import HOME_SENTENCE, HOME_TITLE
-from seamark.server.runs import leaderboard
-from seamark.server.runs.side_by_side import RUNS_MIN
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.showing.side_by_side import RUNS_MIN
 from seamark.server.web import access, caching, compared_runs
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -58,7 +58,7 @@ def leaderboard_picture(name: str) -> Response:
 
 def _pictures() -> Any:
     """Return the module that draws; it loads OpenCV."""
-    return resolve_name("seamark.server.runs.preview_pictures")
+    return resolve_name("seamark.server.runs.showing.preview_pictures")
 
 
 def _answer(picture: bytes) -> Response:

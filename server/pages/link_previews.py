@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 from flask import url_for
 
-from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.qualifier import qualifier
-from seamark.server.runs.solutions import entry_name
-from seamark.server.runs.views import RunView
+from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.record.qualifier import qualifier
+from seamark.server.runs.record.solutions import entry_name
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web.services import services
 from seamark.server.web.template_filters import score, score_unit
 from seamark.sim import registry

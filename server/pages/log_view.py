@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from seamark.server.pages.metric_tables import Row, SettingValue, Table
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
 

@@ -4,8 +4,8 @@ from flask import Blueprint, flash, g, redirect, render_template, request, url_f
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import password_resets
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action
-from seamark.server.audit import AuditAction
 from seamark.server.mail import addresses
 from seamark.server.mail.addresses import MailRejected
 from seamark.server.pages import account_page

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from seamark.programs import parameters
+from seamark.programs.parameters import Parameter
+from seamark.programs.setting_values import in_effect, label_of, text_of
 from seamark.server.pages import form_fields
-from seamark.server.programs import parameters
-from seamark.server.programs.parameters import Parameter
-from seamark.server.runs.setting_values import in_effect, label_of, text_of
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark

@@ -9,10 +9,10 @@ from seamark.mission_logs.scope import BENCHMARK, SUFFIXES, measurable
 from seamark.server.accounts.permissions import Action
 from seamark.server.pages import benchmarks
 from seamark.server.programs.fair_places import PlacesBusy
-from seamark.server.runs import run_notes
-from seamark.server.runs.log_reader import LogTooLarge
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.logs.log_reader import LogTooLarge
+from seamark.server.runs.record import run_notes
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, body_limits
 from seamark.server.web.mission_logs import open_log
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter

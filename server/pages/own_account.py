@@ -15,10 +15,11 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import accounts, browser_sessions, password_resets
 from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action
-from seamark.server.audit import AuditAction
 from seamark.server.pages import account_page
-from seamark.server.runs import account_deletion, export
+from seamark.server.runs.downloads import export
+from seamark.server.runs.ending import account_deletion
 from seamark.server.web import access, authentication, reauthentication
 from seamark.server.web.problems import Problem
 from seamark.server.web.rate_limits import (

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from seamark.programs import configurations
+from seamark.programs.parameters import KEY, Parameter
+from seamark.programs.setting_values import label_of, text_of
 from seamark.server.pages import form_fields
-from seamark.server.programs.parameters import KEY, Parameter
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import configurations
-from seamark.server.runs.setting_values import label_of, text_of
-from seamark.server.runs.submission import UPLOAD
+from seamark.server.runs.submission.submission import UPLOAD
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 _PREFIX = f"{KEY}."

@@ -5,9 +5,9 @@ from typing import Any
 
 from seamark.server.pages import benchmarks
 from seamark.server.pages.log_view import PIXELS, WHOLE, absent_columns, has_unknown_current, tracks
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.views import RunView
-from seamark.server.streams.excerpts import start_of_trial
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
+from seamark.server.web.streams.excerpts import start_of_trial
 from seamark.sim.benchmarks.benchmark import Chart
 from seamark.sim.recording import telemetry
 from seamark.sim.settings.grid import level_names

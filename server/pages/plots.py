@@ -12,7 +12,7 @@ from typing import Protocol, Self
 
 from seamark.server.pages import label_placement
 from seamark.server.pages.label_placement import Label, Point
-from seamark.server.runs.leaderboard_filters import Measured
+from seamark.server.runs.leaderboard.leaderboard_filters import Measured
 from seamark.sim.metrics.metric import Metric
 
 TICKS = 5  # at most, on an axis

@@ -12,10 +12,11 @@ from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import connected, views
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.submission import SubmissionRejected, program_of
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record import connected
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission.submission import SubmissionRejected, program_of
 from seamark.server.web import class_access
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id

@@ -9,7 +9,7 @@ from seamark.server.accounts.profiles import Profile, ProfileRejected
 from seamark.server.database.tables import User
 from seamark.server.pages import benchmarks
 from seamark.server.pages.rank_plot import rank_plot
-from seamark.server.runs import standings
+from seamark.server.runs.showing import standings
 from seamark.server.web import access
 from seamark.server.web.known_users import user_of
 from seamark.server.web.services import services

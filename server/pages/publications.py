@@ -7,16 +7,19 @@ from datetime import UTC, datetime
 from flask import Blueprint, flash, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
+from seamark.programs.licences import LICENCES, NONE
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks
-from seamark.server.runs import citations, method_names, publications, verifications, views
-from seamark.server.runs.licences import LICENCES, NONE
-from seamark.server.runs.method_names import METHOD_MAX
-from seamark.server.runs.publications import PublicationRefused, Terms
-from seamark.server.runs.qualifier import qualifier
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.verifications import VerificationRefused, VerificationView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.publication import citations, publications
+from seamark.server.runs.publication.publications import PublicationRefused, Terms
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.recomputation.verifications import VerificationRefused, VerificationView
+from seamark.server.runs.record import method_names
+from seamark.server.runs.record.method_names import METHOD_MAX
+from seamark.server.runs.record.qualifier import qualifier
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, publication
 from seamark.server.web.citation import citation_of
 from seamark.server.web.problems import Problem

@@ -8,12 +8,12 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server.accounts.audit import Actor
 from seamark.server.accounts.permissions import Action
 from seamark.server.administration import rejudge_choice, rejudgements
 from seamark.server.administration.rejudge_choice import RunChoice
 from seamark.server.administration.rejudgements import RejudgementRefused, RejudgementView
-from seamark.server.audit import Actor
-from seamark.server.runs.states import RunKind
+from seamark.server.runs.record.states import RunKind
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

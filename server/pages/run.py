@@ -8,7 +8,6 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.formats import mat
-from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import (
     benchmarks,
@@ -20,19 +19,16 @@ from seamark.server.pages import (
 )
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import (
-    cancellation,
-    deletion,
-    rejudged,
-    retention,
-    run_notes,
-    stored_files,
-)
-from seamark.server.runs.comparison import Comparison, comparisons
-from seamark.server.runs.connected import ROSBRIDGE
-from seamark.server.runs.rejudged import Recomputation
-from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data import retention, stored_files
+from seamark.server.runs.ending import cancellation, deletion
+from seamark.server.runs.recomputation import rejudged
+from seamark.server.runs.recomputation.rejudged import Recomputation
+from seamark.server.runs.record import run_notes
+from seamark.server.runs.record.connected import ROSBRIDGE
+from seamark.server.runs.record.states import RunKind, RunState
+from seamark.server.runs.showing.comparison import Comparison, comparisons
+from seamark.server.runs.showing.views import RunView
+from seamark.server.storage import storage
 from seamark.server.web import access, class_access, publication, security_headers
 from seamark.server.web.services import services
 from seamark.sim.settings.grid import axes

@@ -9,8 +9,10 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.pages import benchmarks, selected_runs
-from seamark.server.runs import quota, run_lists
-from seamark.server.runs.run_lists import (
+from seamark.server.runs.record.solutions import solution
+from seamark.server.runs.record.states import RunKind, RunState
+from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.run_lists import (
     LIMIT_MAX,
     PROGRAMS,
     SEARCH_MAX,
@@ -20,9 +22,8 @@ from seamark.server.runs.run_lists import (
     RunOrder,
     RunPage,
 )
-from seamark.server.runs.solutions import solution
-from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import quota
 from seamark.server.web import access, csv_export
 from seamark.server.web.services import Services, services
 from seamark.server.web.template_filters import iso

@@ -7,8 +7,9 @@ from flask import flash, g
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import cancellation, deletion, views
-from seamark.server.runs.publications import PublicationRefused, Terms
+from seamark.server.runs.ending import cancellation, deletion
+from seamark.server.runs.publication.publications import PublicationRefused, Terms
+from seamark.server.runs.showing import views
 from seamark.server.web import publication
 from seamark.server.web.services import Services, services
 

@@ -2,7 +2,7 @@
 
 from itertools import groupby
 
-from seamark.server.runs.error_curve import Curve
+from seamark.server.runs.data.error_curve import Curve
 
 WIDTH, HEIGHT = 96.0, 24.0
 _MARGIN = 2.0

@@ -4,8 +4,10 @@ from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
-from seamark.server import storage, workers
-from seamark.server.runs import reference_entries, totals
+from seamark.server.messaging import workers
+from seamark.server.runs.leaderboard import reference_entries
+from seamark.server.runs.record import totals
+from seamark.server.storage import storage
 from seamark.server.web.services import services
 
 page = Blueprint("status", __name__)

@@ -3,10 +3,12 @@
 from flask import Blueprint, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
+from seamark.programs import archives, declarations, file_types, trial_limits
+from seamark.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
-from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.classes.assignments import AssignmentView
+from seamark.server.messaging import workers
 from seamark.server.pages import (
     benchmarks,
     form_fields,
@@ -16,14 +18,13 @@ from seamark.server.pages import (
     sweep_fields,
 )
 from seamark.server.pages.prefill import Prefill
-from seamark.server.programs import archives, declarations, file_types
-from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, quota, run_notes, submission, sweeps, trial_limits
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.record import run_notes
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission import assigned, quota, submission, sweeps
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.runs.submission.submission import UPLOAD, Submission, SubmissionRejected
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication, body_limits
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services

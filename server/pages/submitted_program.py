@@ -10,12 +10,12 @@ from typing import BinaryIO, cast
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
+from seamark.programs.parameters import Parameter
+from seamark.programs.preparation import UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.programs import store
-from seamark.server.programs.parameters import Parameter
-from seamark.server.programs.preparation import UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import submission
+from seamark.server.runs.submission import submission
 from seamark.server.web import uploads
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark

@@ -7,13 +7,13 @@ from typing import Any
 from flask import Blueprint, flash, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
+from seamark.programs.setting_values import label_of
 from seamark.server.accounts.permissions import Action
 from seamark.server.pages import benchmarks, sweep_chart, sweep_edges
-from seamark.server.runs import cancellation
-from seamark.server.runs.setting_values import label_of
-from seamark.server.runs.sweep_axes import Axis, Value, shown
-from seamark.server.runs.sweeps import Cell, SweepView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.ending import cancellation
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission.sweep_axes import Axis, Value, shown
+from seamark.server.runs.submission.sweeps import Cell, SweepView
 from seamark.server.web import access
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark

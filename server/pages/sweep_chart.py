@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from seamark.server.pages.plots import Axis as Scale
-from seamark.server.runs.sweep_axes import Value, numbers_of, shown
-from seamark.server.runs.sweeps import Cell, SweepView
+from seamark.server.runs.submission.sweep_axes import Value, numbers_of, shown
+from seamark.server.runs.submission.sweeps import Cell, SweepView
 from seamark.server.web.template_filters import plain
 
 WIDTH, HEIGHT = 640.0, 280.0  # of the drawing

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from seamark.server.runs.sweep_axes import Axis, Value, numbers_of, shown
-from seamark.server.runs.sweeps import SweepView
+from seamark.server.runs.submission.sweep_axes import Axis, Value, numbers_of, shown
+from seamark.server.runs.submission.sweeps import SweepView
 
 
 def warnings(sweep: SweepView, entries: Mapping[str, Mapping[str, Any]]) -> list[str]:

@@ -11,12 +11,12 @@ import sys
 import threading
 from typing import Any, BinaryIO
 
+from seamark.programs import preparation
+from seamark.programs.diagnostics import Diagnostic, Stage
+from seamark.programs.parameters import Parameter
+from seamark.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.programs import preparation
-from seamark.server.programs.diagnostics import Diagnostic, Stage
 from seamark.server.programs.fair_places import FairPlaces
-from seamark.server.programs.parameters import Parameter
-from seamark.server.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 
 PLACES = 2  # uploads of one web process that are read at the same time; the others wait
 WAIT_S = 15.0  # for a place

@@ -10,7 +10,7 @@ import resource
 import sys
 from typing import Any
 
-from seamark.server.programs.preparation import UploadRejected, prepare
+from seamark.programs.preparation import UploadRejected, prepare
 
 CPU_S = 4  # parsing 512 KiB of ordinary Python takes 0.5 s, an archive of 8 MiB 0.3 s
 MEMORY_MIB = 512  # of address space; the tree of 512 KiB of Python takes up to 250 MiB

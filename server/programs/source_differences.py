@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
+from seamark.programs import archives
 from seamark.sandbox.printable_text import printable_text
-from seamark.server.programs import archives
 
 BYTES_MAX = 256 << 10  # of a file whose lines are compared
 LINES_MAX = 2000  # that may differ in all files of a program, from the first to the last that does

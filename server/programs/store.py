@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from seamark.drafts import replace_file
-from seamark.server import objects, storage
-from seamark.server.objects import Objects, ObjectsAway
-from seamark.server.programs.parameters import Parameter
-from seamark.server.programs.preparation import PreparedProgram
+from seamark.programs.parameters import Parameter
+from seamark.programs.preparation import PreparedProgram
 from seamark.server.settings import Settings
-from seamark.server.storage import StorageUnavailable
+from seamark.server.storage import objects, storage
+from seamark.server.storage.objects import Objects, ObjectsAway
+from seamark.server.storage.storage import StorageUnavailable
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 # Until `delete_unused` may delete a program. Short, because programs that are only checked, or

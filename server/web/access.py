@@ -13,13 +13,16 @@ from typing import Any
 from flask import g
 from sqlalchemy.orm import Session
 
-from seamark.server import audit, storage
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can, owns
-from seamark.server.audit import AuditAction
-from seamark.server.runs import stored_files, sweeps, views
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.sweeps import SweepView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import sweeps
+from seamark.server.runs.submission.sweeps import SweepView
+from seamark.server.storage import storage
 from seamark.server.web import client_network
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

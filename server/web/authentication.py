@@ -10,7 +10,7 @@ from seamark.server.accounts import accounts, browser_sessions
 from seamark.server.accounts.credentials import Credential
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import BrowserSession, Token
-from seamark.server.runs import adoption
+from seamark.server.runs.submission import adoption
 from seamark.server.web import client_network
 from seamark.server.web.services import services
 

@@ -7,8 +7,8 @@ process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and 60
 from flask import Flask, g, request
 from werkzeug.exceptions import BadRequest, RequestEntityTooLarge
 
+from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.settings import Settings
 
 FORM_MAX_BYTES = 128 * 1024  # of a body without a program: URL-encoded, JSON or multipart

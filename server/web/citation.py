@@ -5,9 +5,10 @@ from typing import Any
 
 from seamark.server.accounts import profiles
 from seamark.server.database.tables import User
-from seamark.server.runs import citations, verifications
-from seamark.server.runs.citations import ANONYMOUS, Author, Citation
-from seamark.server.runs.views import RunView
+from seamark.server.runs.publication import citations
+from seamark.server.runs.publication.citations import ANONYMOUS, Author, Citation
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web.publication import address_of
 from seamark.server.web.services import services
 from seamark.server.web.template_filters import score

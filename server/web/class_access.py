@@ -10,7 +10,7 @@ from seamark.server.accounts.permissions import Action, can, owns, teaches
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.classrooms import ClassView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services

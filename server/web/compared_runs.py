@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from seamark.server.runs.side_by_side import RUNS_MAX
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.side_by_side import RUNS_MAX
+from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.url_converters import row_id

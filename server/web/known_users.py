@@ -4,7 +4,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts import profiles
 from seamark.server.database.tables import User
-from seamark.server.runs import standings
+from seamark.server.runs.showing import standings
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 

@@ -7,9 +7,10 @@ from typing import BinaryIO, cast
 from werkzeug.datastructures import FileStorage
 
 from seamark.mission_logs.refusal import LogRefused
-from seamark.server.runs import mission_logs, staging
-from seamark.server.runs.files import StorageFailed
-from seamark.server.storage import StorageUnavailable
+from seamark.server.runs.data import staging
+from seamark.server.runs.data.files import StorageFailed
+from seamark.server.runs.logs import mission_logs
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access
 from seamark.server.web.services import services
 

@@ -35,12 +35,11 @@ CLIENT = (
     "formats/__init__.py",
     "formats/registry.py",
     "progress.py",
+    "programs/__init__.py",
+    "programs/licences.py",
     "py.typed",
     "sandbox/__init__.py",
     "sandbox/printable_text.py",
-    "server/__init__.py",
-    "server/runs/__init__.py",
-    "server/runs/licences.py",
 )
 TAGS = {"seamark": "py3-none-manylinux_2_28_x86_64", "seamark-client": "py3-none-any"}
 _MADE_AT = (1980, 1, 1, 0, 0, 0)  # the first that a zip archive knows

@@ -4,10 +4,11 @@ from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.audit import AuditAction
-from seamark.server.runs import publications, verifications
-from seamark.server.runs.publications import Terms
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
+from seamark.server.runs.recomputation import verifications
 from seamark.server.web import access
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address

@@ -13,11 +13,12 @@ from redis.exceptions import RedisError
 from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import storage, workers
 from seamark.server.database.engine import Database
-from seamark.server.outages import Outage
-from seamark.server.runs import queue
+from seamark.server.messaging import workers
+from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue import queue
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 
 ANSWER_S = 1.5  # that the parts have together
 IDLE_S = 60.0  # that runs may wait beside free places: recovery sends missing tickets every 10 s

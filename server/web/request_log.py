@@ -12,7 +12,7 @@ from typing import Any
 import structlog
 from flask import Flask, Response, g, request
 
-from seamark.server import log
+from seamark.server.monitoring import log
 from seamark.server.web import client_network
 from seamark.server.web.asgi import Sent
 

@@ -18,12 +18,12 @@ from sqlalchemy import select
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
-from seamark.server import storage, workers
-from seamark.server.checks import queue as check_queue
-from seamark.server.messaging import shared_meters
-from seamark.server.runs import totals, turns
+from seamark.server.messaging import shared_meters, workers
+from seamark.server.messaging.workers import WorkerStatus
+from seamark.server.programs import check_queue
+from seamark.server.runs.record import totals, turns
+from seamark.server.storage import storage
 from seamark.server.web.services import Services
-from seamark.server.workers import WorkerStatus
 
 Gauge = GaugeMetricFamily
 _STATES = ("ready", "preparing", "drained", "outdated", "lost")  # of workers

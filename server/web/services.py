@@ -11,13 +11,13 @@ from redis.exceptions import RedisError
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
+from seamark.server.monitoring.outages import Outage
 from seamark.server.programs.reader import ProgramReader
-from seamark.server.runs.conversions import Conversions
-from seamark.server.runs.log_reader import LogReader
+from seamark.server.runs.downloads.conversions import Conversions
+from seamark.server.runs.logs.log_reader import LogReader
 from seamark.server.settings import Settings
-from seamark.server.streams.hub import Hub
 from seamark.server.web.readiness import Readiness
+from seamark.server.web.streams.hub import Hub
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from flask import Flask
 
-from seamark.server.runs.error_curve import UNITS, error_column
-from seamark.server.runs.qualifier import qualifier
-from seamark.server.runs.run_size import size
-from seamark.server.runs.solutions import entry_name, solution
-from seamark.server.runs.views import RunView
+from seamark.server.runs.data.error_curve import UNITS, error_column
+from seamark.server.runs.data.run_size import size
+from seamark.server.runs.record.qualifier import qualifier
+from seamark.server.runs.record.solutions import entry_name, solution
+from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
 
 _ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # of places

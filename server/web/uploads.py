@@ -5,7 +5,7 @@ from typing import BinaryIO
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import quota
+from seamark.server.runs.submission import quota
 from seamark.server.web.services import services
 
 

@@ -25,8 +25,8 @@ from seamark.server.app import create_app
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import FINAL, RunState
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import FINAL, RunState
 from seamark.server.settings import Settings
 from tests.cast import USERS, Backend
 from tests.chaos.campaign import Campaign

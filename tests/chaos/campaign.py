@@ -12,11 +12,11 @@ from numpy.random import default_rng
 from sqlalchemy import func, select
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server.checks import queue as check_queue
 from seamark.server.database.tables import Check, Result, Run
 from seamark.server.messaging import broker
-from seamark.server.runs import stored_files
-from seamark.server.runs.states import FINAL, RunState
+from seamark.server.programs import check_queue
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.record.states import FINAL, RunState
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.cast import USERS

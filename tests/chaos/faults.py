@@ -18,8 +18,8 @@ from sqlalchemy.orm import Session
 from seamark.server.database.engine import IDLE_S, Database
 from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker
-from seamark.server.runs import queue
-from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.queue import queue
+from seamark.server.runs.record.states import LIVE, RunState
 from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
 from tests.services.faulty_s3 import Behaviour
 

@@ -12,11 +12,11 @@ from redis import Redis
 from sqlalchemy import delete
 
 from seamark.sandbox.isolation.proc_stats import tree
-from seamark.server import workers
-from seamark.server.checks import queue
-from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.database.tables import Check, Worker
-from seamark.server.runs.states import RunState
+from seamark.server.messaging import workers
+from seamark.server.programs import check_queue
+from seamark.server.programs.check_queue import CheckState, CheckView
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import LONG, QUICK, START_S, Service, service_with
@@ -55,7 +55,7 @@ def _listed(service: Service) -> list[str]:
 
 def _check(service: Service, check_id: int) -> CheckView:
     with service.database.reading() as session:
-        view = queue.show(session, check_id, service.user_id("ann"))
+        view = check_queue.show(session, check_id, service.user_id("ann"))
     assert view is not None
     return view
 
@@ -76,7 +76,7 @@ def test_a_check_whose_process_is_killed_is_answered_by_its_successor(service: S
     worker = service.workers[0].pid
     program = service.store_program(SLOW_TO_START)
     with service.database.writing() as session:
-        check_id = queue.enqueue(session, service.user_id("ann"), "currents-v1", {}, program)
+        check_id = check_queue.enqueue(session, service.user_id("ann"), "currents-v1", {}, program)
     eventually(lambda: _check(service, check_id).state is CheckState.RUNNING, START_S)
 
     with service.database.reading() as session:

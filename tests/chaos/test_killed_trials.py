@@ -8,8 +8,8 @@ import pytest
 from redis import Redis
 
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
-from seamark.server.runs.states import RunState
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally

@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import update
 
 from seamark.server.database.tables import Run
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from seamark.sim.recording.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service, production, service
 

@@ -21,9 +21,9 @@ from websockets.sync.client import connect
 
 from seamark.client import Client, ServerUnavailable
 from seamark.client.sync_runs import Run as ClientRun
-from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
+from seamark.server.messaging import workers
 from seamark.sim.engine.seeds import hidden_seed
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.chaos import machine_session

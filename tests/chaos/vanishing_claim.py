@@ -5,7 +5,7 @@ import time
 from sqlalchemy.orm import Session
 
 from seamark.server.database.engine import Database
-from seamark.server.runs import queue
+from seamark.server.runs.queue import queue
 from seamark.server.settings import Settings
 
 POLL_S = 0.002

@@ -19,10 +19,11 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.runs import account_deletion, verifications
-from seamark.server.runs.states import RunState
-from seamark.server.runs.verifications import Outcome, VerificationView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.ending import account_deletion
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.recomputation.verifications import Outcome, VerificationView
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot

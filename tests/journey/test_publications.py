@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
-from seamark.server.runs import publications, verifications
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.publication import publications
+from seamark.server.runs.recomputation import verifications
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend
 from tests.services.pages import served

@@ -17,7 +17,7 @@ from sqlalchemy import select
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
-from seamark.server.runs.states import LIVE
+from seamark.server.runs.record.states import LIVE
 from tests.journey.conftest import Service
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]

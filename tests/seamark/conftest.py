@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from seamark.server.accounts import accounts
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.cast import Backend
 from tests.services.pages import served

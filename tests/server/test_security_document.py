@@ -9,12 +9,13 @@ from performance.commands import TABLES
 from seamark.embedded import connections, protocols, web_server, web_worker
 from seamark.mission_logs import mapping
 from seamark.mission_logs import process as log_process
+from seamark.programs import preparation
 from seamark.server.accounts import accounts
 from seamark.server.api import request_body
 from seamark.server.api.schemas import CONFIG_MAX
 from seamark.server.pages import docs_search
-from seamark.server.programs import preparation, reader_process, source_differences
-from seamark.server.runs import conversion_process
+from seamark.server.programs import reader_process, source_differences
+from seamark.server.runs.downloads import conversion_process
 from seamark.server.web import body_limits, received_body
 
 ROOT = Path(__file__).parents[2]

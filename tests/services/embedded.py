@@ -12,8 +12,8 @@ from sqlalchemy import select
 
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
-from seamark.server.runs import results
-from seamark.server.runs.states import LIVE
+from seamark.server.runs.ending import results
+from seamark.server.runs.record.states import LIVE
 
 END_S = 60.0  # most that a service takes to end
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server import objects, storage
 from seamark.server.messaging import broker
-from seamark.server.runs import run_objects, stored_files
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data import run_objects, stored_files
+from seamark.server.runs.data.files import RunFiles
 from seamark.server.settings import Settings
+from seamark.server.storage import objects, storage
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.worker.service.run_upload import RunUpload
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from seamark.server.accounts.credentials import Credential
-from seamark.server.streams.events import Position
-from seamark.server.streams.hub import Hub
+from seamark.server.web.streams.events import Position
+from seamark.server.web.streams.hub import Hub
 
 DEADLINE_S = 60.0
 

@@ -15,12 +15,12 @@ import pytest
 from redis import Redis
 
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
-from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.messaging import broker
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.views import RunView
+from seamark.server.programs import check_queue
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
 from tests.cast import Backend
@@ -80,12 +80,12 @@ class Service(Backend):
         """Return the report of a check of a program."""
         program, user_id = self.store_program(source, name), self.user_id("ann")
         with self.database.writing() as session:
-            check_id = queue.enqueue(session, user_id, "currents-v1", dict(config), program)
-        queue.wake_worker(self.redis)
+            check_id = check_queue.enqueue(session, user_id, "currents-v1", dict(config), program)
+        check_queue.wake_worker(self.redis)
         deadline = time.monotonic() + START_S
         while True:
             with self.database.reading() as session:
-                view = queue.show(session, check_id, user_id)
+                view = check_queue.show(session, check_id, user_id)
             assert view is not None
             if view.report is not None:
                 return view.report

@@ -5,11 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.programs import check_report, parameters, trial_limits
+from seamark.programs.check_report import CheckOutcome
 from seamark.sandbox.outcome import ProgramEnded
-from seamark.server.checks import report
-from seamark.server.checks.report import CheckOutcome
-from seamark.server.programs import parameters
-from seamark.server.runs import trial_limits
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 from seamark.worker.evaluation.evaluation import reason_of
@@ -61,7 +59,7 @@ class CheckRecorder:
         trial_s = entry.trial_duration_s(entry.read(parameters.split(job.config)[0]))
         steps_per_s = len(outcome.step_us) / max(outcome.t_simulated, 1.0)
         allowed_s = trial_limits.for_trial(trial_s).cpu_s / max(trial_s * steps_per_s, 1.0)
-        return report.from_outcome(outcome, step_allowed_us=allowed_s * 1e6)
+        return check_report.from_outcome(outcome, step_allowed_us=allowed_s * 1e6)
 
 
 class _TimeLimited:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.programs.failure_reasons import FailureReason
+from seamark.programs.parameters import KEY
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.pool import Pool
-from seamark.server.programs.parameters import KEY
-from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim import registry
 from seamark.sim.engine.program import Program
 from seamark.sim.engine.summary import summarise

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.programs import parameters
+from seamark.programs.preparation import PreparedProgram
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
-from seamark.server.programs import parameters
-from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.program import Program
 from seamark.sim.engine.warm_up import warm_up_benchmark
@@ -72,7 +72,7 @@ def evaluate_locally(
     ----------
     controller
         Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
-        file, or what `seamark.server.programs.preparation.prepare` made of any upload.
+        file, or what `seamark.programs.preparation.prepare` made of any upload.
     isolation
         Isolation level of the box; see `seamark.sandbox.probing.probes.probe`.
     processes
@@ -172,7 +172,7 @@ def check_locally(
     *,
     isolation: IsolationLevel,
 ) -> dict[str, Any]:
-    """Return the report (`seamark.server.checks.report`) on a program after two simulated seconds.
+    """Return the report (`seamark.programs.check_report`) on a program after two simulated seconds.
 
     Raises
     ------

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.programs import trial_limits
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.inside.wire import MAX_VALUE
@@ -13,7 +14,6 @@ from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome
 from seamark.sandbox.pool import Pool
 from seamark.sandbox.protocol.answers import Corners, Loss
-from seamark.server.runs import trial_limits
 from seamark.sim.engine.program import Command
 from seamark.sim.trackers import Track, Window
 from seamark.sim.trackers.template.warps import is_convex

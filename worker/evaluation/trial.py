@@ -7,10 +7,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.programs import parameters, trial_limits
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
-from seamark.server.programs import parameters
-from seamark.server.runs import trial_limits
 from seamark.sim import registry
 from seamark.sim.engine.closed_loop import StateInvalid
 from seamark.sim.engine.program import Program

@@ -3,8 +3,8 @@
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
+from seamark.programs.failure_reasons import FailureReason
 from seamark.sandbox.outcome import Outcome
-from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim.engine.trial import TrialResult
 
 

@@ -2,8 +2,8 @@
 
 from celery.signals import setup_logging
 
-from seamark.server import log
 from seamark.server.messaging.broker import celery_app
+from seamark.server.monitoring import log
 from seamark.server.settings import Settings
 
 settings = Settings.load()

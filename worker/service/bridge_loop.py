@@ -19,16 +19,17 @@ from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.server import log, storage, workers
 from seamark.server.database import data_folder
 from seamark.server.database.engine import Database
-from seamark.server.messaging import bridge_sessions, broker
+from seamark.server.messaging import bridge_sessions, broker, workers
 from seamark.server.messaging.bridge_sessions import Keys
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.queue import Claim
+from seamark.server.monitoring import log
+from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.bridge_relay import BridgeRelay
 from seamark.worker.service.claimed_run import evaluate_or_release

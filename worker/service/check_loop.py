@@ -15,15 +15,16 @@ from redis import Redis
 from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import log, meters, storage
-from seamark.server.checks import queue
-from seamark.server.checks.queue import CheckClaim
 from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
-from seamark.server.runs.files import StorageFailed
+from seamark.server.monitoring import log, meters
+from seamark.server.monitoring.outages import Outage
+from seamark.server.programs import check_queue
+from seamark.server.programs.check_queue import CheckClaim
+from seamark.server.runs.data.files import StorageFailed
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from seamark.worker.evaluation.check import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
@@ -86,24 +87,24 @@ class CheckLoop:
         """Release the check that the predecessor of this process was carrying out when it died."""
         if not self._recovered:
             with self._database.writing() as session:
-                queue.recover_from(session, self._name)
+                check_queue.recover_from(session, self._name)
             self._recovered = True
 
     def _wait(self) -> None:
         """Wait for a wake-up, or for a while."""
         try:
-            self._redis.blpop([queue.WAKE_UP_KEY], timeout=POLL_S)
+            self._redis.blpop([check_queue.WAKE_UP_KEY], timeout=POLL_S)
         except RedisError:
             self._stopping.wait(POLL_S)
 
     def _check_next(self) -> bool:
         """Carry out one check; False if there is none."""
         with self._database.reading() as session:
-            waiting = queue.waiting(session, languages=self._languages)
+            waiting = check_queue.waiting(session, languages=self._languages)
         if not waiting or not self._wait_warm() or storage.worker_refusal(self._settings):
             return False
         with self._database.writing() as session:
-            claim = queue.claim(
+            claim = check_queue.claim(
                 session,
                 self._name,
                 languages=self._languages,
@@ -120,23 +121,25 @@ class CheckLoop:
             meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
             # That the storage is away or full is not the fault of the check.
             away = isinstance(broken, StorageFailed) or storage.worker_refusal(self._settings)
-            self._release(claim, attempts_max=queue.CLAIMS_MAX if away else queue.ATTEMPTS_MAX)
+            self._release(
+                claim, attempts_max=check_queue.CLAIMS_MAX if away else check_queue.ATTEMPTS_MAX
+            )
             return not away
         except ShuttingDown:
-            self._release(claim, attempts_max=queue.CLAIMS_MAX)
+            self._release(claim, attempts_max=check_queue.CLAIMS_MAX)
             return False
         except LeaseLost:
             _log.warning("check_lost", check=claim.check_id)
             return True
         with self._database.writing() as session:
-            stored = queue.finish(session, claim, report)
+            stored = check_queue.finish(session, claim, report)
         meters.CHECKS_ENDED.labels("passed" if report["ok"] else "failed").inc()
         _log.info("check_ended", check=claim.check_id, ok=report["ok"], stored=stored)
         return True
 
     def _release(self, claim: CheckClaim, *, attempts_max: int) -> None:
         with self._database.writing() as session:
-            queue.release(session, claim.check_id, claim.attempt, attempts_max=attempts_max)
+            check_queue.release(session, claim.check_id, claim.attempt, attempts_max=attempts_max)
 
     def _report(self, claim: CheckClaim) -> dict[str, object]:
         recorder, deadline = CheckRecorder(), time.monotonic() + TIMEOUT_S
@@ -176,7 +179,7 @@ class CheckLoop:
         if time.monotonic() >= self._renew_at:
             self._renew_at = time.monotonic() + self._settings.heartbeat_s
             with self._database.writing() as session:
-                if not queue.renew(session, claim):
+                if not check_queue.renew(session, claim):
                     raise LeaseLost
         if time.monotonic() > deadline:
             self._simulator.stop()

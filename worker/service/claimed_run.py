@@ -7,16 +7,18 @@ import structlog
 from sqlalchemy.exc import SQLAlchemyError
 from structlog.contextvars import bound_contextvars
 
-from seamark.server import meters, storage
+from seamark.programs.failure_reasons import FailureReason, describe
 from seamark.server.database.engine import DATABASE_AWAY
-from seamark.server.runs import queue, results
-from seamark.server.runs.failure_reasons import FailureReason, describe
-from seamark.server.runs.files import StorageFailed
-from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
-from seamark.server.runs.results import Report
-from seamark.server.runs.seeds import SeedsMissing
-from seamark.server.runs.states import RunState
+from seamark.server.monitoring import meters
+from seamark.server.runs.data.files import StorageFailed
+from seamark.server.runs.ending import results
+from seamark.server.runs.ending.results import Report
+from seamark.server.runs.queue import queue
+from seamark.server.runs.queue.queue import AttemptEnd, Claim, LeaseStatus
+from seamark.server.runs.record.seeds import SeedsMissing
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.live_publisher import LivePublisher

@@ -4,8 +4,8 @@ import threading
 from dataclasses import dataclass
 
 from seamark.server.messaging.live_data import Piece
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.run_objects import GROWING
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.data.run_objects import GROWING
 
 
 @dataclass(slots=True)

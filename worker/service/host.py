@@ -15,10 +15,10 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.probing import self_test
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.report import Component, Finding, IsolationReport
-from seamark.server import workers
 from seamark.server.database.engine import Database
+from seamark.server.database.result_code import result_code
 from seamark.server.database.tables import Worker
-from seamark.server.result_code import result_code
+from seamark.server.messaging import workers
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.worker_slot import WorkerSlot

@@ -13,7 +13,7 @@ from redis.exceptions import RedisError
 
 from seamark.server.messaging import live_data
 from seamark.server.messaging.live_data import Increment, Piece
-from seamark.server.runs.run_objects import GROWING, REPLACED
+from seamark.server.runs.data.run_objects import GROWING, REPLACED
 from seamark.worker.service.growing_files import GrowingFiles
 
 TICK_S = 0.1  # between two messages

@@ -11,12 +11,12 @@ from functools import partial
 import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import log
 from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.mail import sending, smtp
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
+from seamark.server.monitoring import log
+from seamark.server.monitoring.outages import Outage
 from seamark.server.settings import Settings
 from seamark.worker.service import rights
 from seamark.worker.service.shutdown import follow_worker

@@ -16,19 +16,23 @@ import structlog
 from celery import Celery
 from redis import Redis
 
-from seamark.server import audit, log, meters, storage
-from seamark.server.checks import queue
+from seamark.server.accounts import audit
 from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
-from seamark.server.programs import store
-from seamark.server.runs import account_deletion, best_runs, seeds, verifications
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.disk_usage import measure_if_old
-from seamark.server.runs.retention import Sweep, trim
-from seamark.server.runs.retention_pass import RetentionPass
+from seamark.server.monitoring import log, meters
+from seamark.server.monitoring.outages import Outage
+from seamark.server.programs import check_queue, store
+from seamark.server.runs.data.disk_usage import measure_if_old
+from seamark.server.runs.data.retention import Sweep, trim
+from seamark.server.runs.data.retention_pass import RetentionPass
+from seamark.server.runs.ending import account_deletion
+from seamark.server.runs.leaderboard import best_runs
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.record import seeds
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from seamark.worker.service import rights
 from seamark.worker.service.duty import Duty
 from seamark.worker.service.lease_watch import LeaseWatch
@@ -132,10 +136,10 @@ class Recoverer:
     def recover_checks(self) -> None:
         """Return checks to the queue, and forget old ones."""
         with self._database.reading() as session:
-            leases = queue.leases(session)
+            leases = check_queue.leases(session)
         abandoned = self._checks.abandoned(leases, now_s=time.monotonic())
         with self._database.writing() as session:
-            queue.recover(session, abandoned)
+            check_queue.recover(session, abandoned)
 
 
 def forget_programs(database: Database, settings: Settings) -> None:
@@ -143,7 +147,7 @@ def forget_programs(database: Database, settings: Settings) -> None:
 
     def used(sha256: str) -> bool:
         with database.reading() as session:
-            return queue.refers_to(session, sha256)
+            return check_queue.refers_to(session, sha256)
 
     count = store.delete_unused(settings, used=used)
     if count:

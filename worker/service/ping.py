@@ -14,8 +14,8 @@ from sqlalchemy.exc import SQLAlchemyError
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
 from seamark.server.messaging import broker
+from seamark.server.messaging.workers import ALIVE_S
 from seamark.server.settings import Settings
-from seamark.server.workers import ALIVE_S
 
 ANSWER_S = 5.0  # [s] a main process that has work answers within a fraction of a second
 

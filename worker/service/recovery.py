@@ -6,9 +6,9 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from seamark.server.messaging import broker, live_events
-from seamark.server.outages import Outage
-from seamark.server.runs.queue import Recovery
-from seamark.server.runs.states import RunState
+from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue.queue import Recovery
+from seamark.server.runs.record.states import RunState
 
 _log = structlog.get_logger()
 _outage = Outage("broker", of="recovery")

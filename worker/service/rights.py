@@ -4,7 +4,7 @@ import threading
 
 from seamark.server.database import worker_role
 from seamark.server.database.engine import DATABASE_AWAY, Database
-from seamark.server.outages import Outage
+from seamark.server.monitoring.outages import Outage
 
 RETRY_S = 2.0
 

@@ -11,20 +11,21 @@ import structlog
 from redis import Redis
 from sqlalchemy.orm import Session
 
+from seamark.programs import parameters
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
-from seamark.server import meters, objects, storage
 from seamark.server.database import data_folder
 from seamark.server.database.engine import DATABASE_AWAY, Database
-from seamark.server.programs import parameters
-from seamark.server.runs import first_results, results
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.files import RunFiles, StorageFailed
-from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
-from seamark.server.runs.results import Report
-from seamark.server.runs.seeds import SeedsMissing
-from seamark.server.runs.states import RunKind, RunState
+from seamark.server.monitoring import meters
+from seamark.server.runs.data.files import RunFiles, StorageFailed
+from seamark.server.runs.ending import first_results, results
+from seamark.server.runs.ending.results import Report
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import AttemptEnd, Claim, LeaseStatus
+from seamark.server.runs.record.seeds import SeedsMissing
+from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
+from seamark.server.storage import objects, storage
 from seamark.sim import registry
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome

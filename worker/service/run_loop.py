@@ -7,15 +7,15 @@ from collections.abc import Callable
 import structlog
 from celery import Celery
 
-from seamark.server import storage, workers
 from seamark.server.database import data_folder
 from seamark.server.database.engine import DATABASE_AWAY, Database
-from seamark.server.messaging import broker
+from seamark.server.messaging import broker, workers
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.outages import Outage
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.queue import Claim
+from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from seamark.worker.service.claimed_run import evaluate_or_release
 from seamark.worker.service.host import Host
 from seamark.worker.service.recovery import announce

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from seamark.server.runs.error_curve import error_curve
-from seamark.server.runs.failure_reasons import describe
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.results import Report
-from seamark.server.runs.states import RunState
+from seamark.programs.failure_reasons import describe
+from seamark.server.runs.data.error_curve import error_curve
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.ending.results import Report
+from seamark.server.runs.record.states import RunState
 from seamark.worker.ipc.outcomes import RunOutcome
 
 LOG_TAIL = 2000  # [character] of the log shown with a failure

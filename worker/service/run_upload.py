@@ -16,14 +16,14 @@ from pathlib import Path
 import structlog
 from redis import Redis
 
-from seamark.server import storage
-from seamark.server.objects import MARK, Objects, ObjectsAway
 from seamark.server.programs import store
-from seamark.server.runs import run_objects
-from seamark.server.runs.files import RunFiles, StorageFailed
-from seamark.server.runs.run_objects import COMPLETE, GROWING, REPLACED
+from seamark.server.runs.data import run_objects
+from seamark.server.runs.data.files import RunFiles, StorageFailed
+from seamark.server.runs.data.run_objects import COMPLETE, GROWING, REPLACED
 from seamark.server.settings import Settings
-from seamark.server.storage import StorageUnavailable
+from seamark.server.storage import storage
+from seamark.server.storage.objects import MARK, Objects, ObjectsAway
+from seamark.server.storage.storage import StorageUnavailable
 from seamark.worker.service.growing_files import GrowingFiles
 from seamark.worker.service.live_data import LiveData
 from seamark.worker.service.watched import watched

@@ -16,12 +16,12 @@ from datetime import UTC, datetime
 import structlog
 
 from seamark.server.database.engine import DATABASE_AWAY
-from seamark.server.outages import Outage
-from seamark.server.workers import RUNNING
+from seamark.server.messaging.workers import RUNNING
+from seamark.server.monitoring.outages import Outage
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
 
 POLL_S = 0.25  # [s] between two checks of the processes
-REPORT_S = 5.0  # [s] well below seamark.server.workers.ALIVE_S
+REPORT_S = 5.0  # [s] well below seamark.server.messaging.workers.ALIVE_S
 STOP_WITHIN_S = 3.0  # [s] for a side process to release what it works on
 BROKEN_DEATHS = 3  # in a row; then it counts as broken even while it is running again
 _log = structlog.get_logger()

@@ -15,8 +15,8 @@ from celery.signals import (
     worker_shutting_down,
 )
 
+from seamark.server.database.result_code import result_code
 from seamark.server.messaging import broker
-from seamark.server.result_code import result_code
 from seamark.worker.service.app import app, settings
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_loop import RunLoop

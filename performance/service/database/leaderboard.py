@@ -21,10 +21,10 @@ from performance.tables import text as text_of
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Best
-from seamark.server.runs import leaderboard, leaderboard_filters, score_counts
-from seamark.server.runs.leaderboard import Cursor
-from seamark.server.runs.leaderboard_filters import ONLY, BoardFilter
-from seamark.server.runs.ranking import Estimate, Population
+from seamark.server.runs.leaderboard import leaderboard, leaderboard_filters, score_counts
+from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.leaderboard.leaderboard_filters import ONLY, BoardFilter
+from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.settings import Settings
 
 PEOPLE = 1_000_000

@@ -27,11 +27,13 @@ from seamark.server.app import create_app, prepare
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
-from seamark.server.runs import leaderboard, submission, views
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.leaderboard import Cursor
-from seamark.server.runs.states import RunState
-from seamark.server.runs.submission import Submission
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing import views
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import Submission
 from seamark.server.settings import Settings
 from seamark.server.web import authentication
 from tests.services import postgres, valkey

@@ -6,7 +6,8 @@ from sqlalchemy import text
 
 from seamark.server.database import counters
 from seamark.server.database.engine import Database
-from seamark.server.runs import best_runs, totals, turns
+from seamark.server.runs.leaderboard import best_runs
+from seamark.server.runs.record import totals, turns
 
 RUNS_PER_OWNER = 100
 # One run in a hundred failed, half are public, every tenth is ranked; the last ones are queued,

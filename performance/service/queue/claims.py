@@ -20,12 +20,13 @@ from sqlalchemy import func, select, text
 from performance.service.database.runs_table import fill
 from performance.tables import Row
 from performance.tables import text as text_of
-from seamark.server import workers
 from seamark.server.database.engine import Database
+from seamark.server.database.result_code import result_code
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import IS_RUNNING, Run, Worker
-from seamark.server.result_code import result_code
-from seamark.server.runs import queue, turns
+from seamark.server.messaging import workers
+from seamark.server.runs.queue import queue
+from seamark.server.runs.record import turns
 from seamark.server.settings import Settings
 from tests.services import postgres
 

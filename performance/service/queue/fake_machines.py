@@ -31,7 +31,7 @@ from performance.tables import Row, text
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
-from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.record.states import LIVE, RunState
 from seamark.server.settings import Settings
 from tests.chaos import machine_session
 from tests.chaos.installation import wait_until

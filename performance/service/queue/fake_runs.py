@@ -16,16 +16,15 @@ from pathlib import Path
 from sqlalchemy import func, select
 
 from performance.tables import Row, text
-from seamark.server import workers
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run, Worker
-from seamark.server.messaging import broker
-from seamark.server.runs import submission
-from seamark.server.runs.states import LIVE, RunState
-from seamark.server.runs.submission import Submission
+from seamark.server.messaging import broker, workers
+from seamark.server.runs.record.states import LIVE, RunState
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import Submission
 from seamark.server.settings import Settings
 from tests.services import valkey
 

@@ -11,9 +11,9 @@ from celery.signals import worker_process_init
 
 from performance.service.queue.fake_runs import CLAIMS, NOTHING
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.server.database.result_code import result_code
 from seamark.server.messaging import broker
-from seamark.server.result_code import result_code
-from seamark.server.runs.queue import Claim
+from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.listener import Listener

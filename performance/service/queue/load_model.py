@@ -24,10 +24,11 @@ from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.messaging import broker
-from seamark.server.runs import queue, submission
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import LIVE
-from seamark.server.runs.submission import Submission
+from seamark.server.runs.queue import queue
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.states import LIVE
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import Submission
 from seamark.server.settings import Settings
 from tests.services import postgres, valkey
 

@@ -19,17 +19,19 @@ from pathlib import Path
 import numpy as np
 
 from performance.tables import Row
+from seamark.programs import preparation
 from seamark.sandbox.languages.python import PYTHON
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.messaging import broker
-from seamark.server.programs import preparation, store
+from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import submission, views
-from seamark.server.runs.submission import UPLOAD, Submission
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing import views
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission import submission
+from seamark.server.runs.submission.submission import UPLOAD, Submission
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
 from tests.services import postgres, valkey

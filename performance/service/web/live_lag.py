@@ -16,7 +16,7 @@ from pathlib import Path
 from performance.tables import Row
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
-from seamark.server.streams.hub import Hub
+from seamark.server.web.streams.hub import Hub
 from tests.cast import Backend
 from tests.services import s3, valkey
 from tests.services.machines import Machines, numbered_rows

@@ -24,9 +24,9 @@ from seamark.server.app import create_app
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
-from seamark.server.runs import submission
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import RunKind, RunState
+from seamark.server.runs.submission import submission
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.program import BuiltIn

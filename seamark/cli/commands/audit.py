@@ -10,7 +10,8 @@ from typing import Any
 
 import click
 
-from seamark.cli.options import data_option, existing_database_of, json_option, settings_of
+from seamark.cli.local_service import data_option, existing_database_of, settings_of
+from seamark.cli.options import json_option
 
 
 @click.command()
@@ -33,7 +34,7 @@ def audit(
       seamark audit --count 20
       seamark audit --action sign_in_blocked
     """
-    from seamark.server import audit as log
+    from seamark.server.accounts import audit as log
 
     database = existing_database_of(settings_of(data))
     wanted, after = log.AuditFilter(action=action, actor=actor, target=target), None

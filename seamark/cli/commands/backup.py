@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import data_option, json_option, settings_of
+from seamark.cli.local_service import data_option, settings_of
+from seamark.cli.options import json_option
 from seamark.failures import PlatformFailed, UsageRefused
 from seamark.progress import Progress
 
 if TYPE_CHECKING:
-    from seamark.server.backup.creation import Backup
-    from seamark.server.backup.layout import Header, Summary
+    from seamark.server.administration.backup.creation import Backup
+    from seamark.server.administration.backup.layout import Header, Summary
     from seamark.server.database.engine import Database
     from seamark.server.settings import Settings
 
@@ -42,7 +43,7 @@ def backup(target: Path, data: Path | None, as_json: bool) -> None:
       seamark backup /mnt/backups
       seamark backup before-update.tar --data /var/lib/seamark
     """
-    from seamark.server.backup import creation
+    from seamark.server.administration.backup import creation
 
     settings = settings_of(data)
     if target.is_dir():
@@ -85,8 +86,8 @@ def restore(*, source: Path, check: bool, force: bool, data: Path | None, as_jso
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.embedded.service import locked
-    from seamark.server.backup import restoring
-    from seamark.server.backup.archive import ArchiveRejected
+    from seamark.server.administration.backup import restoring
+    from seamark.server.administration.backup.archive import ArchiveRejected
 
     size = source.stat().st_size
     try:
@@ -111,7 +112,7 @@ def _unchanged_database(settings: Settings) -> Database:
     """Return the database of a service; refuses one that this version would have to upgrade."""
     from sqlalchemy.exc import SQLAlchemyError
 
-    from seamark.cli.options import refuse_without_service
+    from seamark.cli.local_service import refuse_without_service
     from seamark.server.database import schema
     from seamark.server.database.engine import Database
 
@@ -131,8 +132,8 @@ def _unchanged_database(settings: Settings) -> Database:
 
 
 def _record(database: Database, made: Backup) -> None:
-    from seamark.server import audit
-    from seamark.server.audit import COMMAND_LINE, AuditAction
+    from seamark.server.accounts import audit
+    from seamark.server.accounts.audit import COMMAND_LINE, AuditAction
 
     detail = {"bytes": made.bytes, "runs": made.summary.rows.get("runs", 0)}
     with database.writing() as session:

@@ -12,7 +12,7 @@ from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import configuration_options, json_option
 
 if TYPE_CHECKING:
-    from seamark.server.programs.preparation import PreparedProgram
+    from seamark.programs.preparation import PreparedProgram
 
 SHOWN_OUTPUT = 2000  # [characters]
 
@@ -43,12 +43,12 @@ def check(
     from seamark.cli.configuration import run_configuration_of
     from seamark.cli.extras import absent_in_box
     from seamark.cli.solutions import prepare
-    from seamark.server.checks import report
+    from seamark.programs import check_report
 
     prepared = prepare(file, benchmark=benchmark)
     values = run_configuration_of(benchmark, config, pairs, prepared)
     if prepared.diagnostics:
-        found = report.from_diagnostics(prepared.diagnostics)
+        found = check_report.from_diagnostics(prepared.diagnostics)
     else:
         found = _run(benchmark, values, prepared)
     if as_json:
@@ -70,7 +70,7 @@ def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> d
 
 
 def _report(file: Path, found: dict[str, Any]) -> None:
-    from seamark.server.programs.diagnostics import Diagnostic
+    from seamark.programs.diagnostics import Diagnostic
 
     for problem in found["problems"]:
         click.echo(Diagnostic(**problem).text())

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import data_option, database_of, json_option, settings_of
+from seamark.cli.local_service import data_option, database_of, settings_of
+from seamark.cli.options import json_option
 
 
 @click.group()
@@ -128,7 +129,8 @@ def rebuild_leaderboard(data: Path | None, as_json: bool) -> None:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
-    from seamark.server.runs import best_runs, turns
+    from seamark.server.runs.leaderboard import best_runs
+    from seamark.server.runs.record import turns
 
     database = database_of(settings_of(data))
     try:
@@ -161,8 +163,8 @@ def reference_entries(data: Path | None, as_json: bool) -> None:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
-    from seamark.server import log
-    from seamark.server.runs import baselines
+    from seamark.server.monitoring import log
+    from seamark.server.runs.submission import baselines
 
     settings = settings_of(data)
     log.configure(settings.log_level, settings.log_format)

@@ -15,7 +15,8 @@ import click
 from seamark.cli.console import exit_with, print_json
 from seamark.cli.extras import SERVER, install_line, missing
 from seamark.cli.findings import Check
-from seamark.cli.options import data_option, json_option, settings_of
+from seamark.cli.local_service import data_option, settings_of
+from seamark.cli.options import json_option
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import data_option, json_option, settings_of
+from seamark.cli.local_service import data_option, settings_of
+from seamark.cli.options import json_option
 from seamark.failures import PlatformFailed, UsageRefused
 
 

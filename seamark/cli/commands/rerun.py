@@ -13,7 +13,7 @@ from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
     from seamark.formats.archive_reading import ArchivedRun
-    from seamark.server.programs.preparation import PreparedProgram
+    from seamark.programs.preparation import PreparedProgram
     from seamark.sim.recording.telemetry import Rows
     from seamark.worker.ipc.outcomes import RunOutcome
 
@@ -77,8 +77,8 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
 def _program(archived: ArchivedRun) -> PreparedProgram | None:
     """Return the program in normal form; raises UsageRefused if there is none although needed."""
     from seamark.cli.configuration import benchmark_of
-    from seamark.server.programs.archives import is_archive
-    from seamark.server.programs.preparation import UploadRejected, prepare
+    from seamark.programs.archives import is_archive
+    from seamark.programs.preparation import UploadRejected, prepare
 
     manifest, program = archived.manifest, archived.program
     benchmark = benchmark_of(manifest.benchmark)

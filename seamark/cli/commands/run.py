@@ -14,7 +14,7 @@ from seamark.cli.options import benchmark_argument, json_option, run_options
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
-    from seamark.server.programs.preparation import PreparedProgram
+    from seamark.programs.preparation import PreparedProgram
     from seamark.worker.ipc.outcomes import RunOutcome
 
 WITHOUT_CONTACTS = (

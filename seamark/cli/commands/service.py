@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import data_option, json_option, settings_of
+from seamark.cli.local_service import data_option, settings_of
+from seamark.cli.options import json_option
 from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def _settings(data: Path | None, **chosen: Any) -> Settings:
             "SEAMARK_BROKER_URL is not set. `seamark up` brings a broker of its own; single "
             "processes need one that runs, for example redis://localhost:6379/0."
         )
-    from seamark.server.private_files import tighten
+    from seamark.server.storage.private_files import tighten
 
     tighten(settings)
     return settings

@@ -11,8 +11,8 @@ from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import benchmark_argument, json_option, run_options, server_options
 from seamark.cli.run_summary import exit_code, summary
 from seamark.failures import UsageRefused
+from seamark.programs.licences import LICENCES, NO_PROGRAM
 from seamark.sandbox.printable_text import printable_text
-from seamark.server.runs.licences import LICENCES, NO_PROGRAM
 
 if TYPE_CHECKING:
     from seamark.client import Run, Sweep

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import data_option, database_of, json_option, settings_of
+from seamark.cli.local_service import data_option, database_of, settings_of
+from seamark.cli.options import json_option
 from seamark.failures import UsageRefused
 
 SCOPES = (
@@ -56,8 +57,7 @@ def new(
     """
     from sqlalchemy import select
 
-    from seamark.server import audit
-    from seamark.server.accounts import accounts
+    from seamark.server.accounts import accounts, audit
     from seamark.server.database.tables import User
 
     database = database_of(settings_of(data))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import data_option, json_option, settings_of
+from seamark.cli.local_service import data_option, settings_of
+from seamark.cli.options import json_option
 
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
@@ -53,7 +54,7 @@ def up(
     from seamark.cli.extras import refuse_packages_of_the_user
     from seamark.drafts import replace_file
     from seamark.embedded.service import Embedded, address_of, free_port
-    from seamark.server.private_files import tighten
+    from seamark.server.storage.private_files import tighten
 
     refuse_packages_of_the_user()
     settings = settings_of(data, port=port, host=host, workers=workers)
@@ -81,8 +82,9 @@ def _silent(_: str) -> None:
 def _uploads(settings: Settings) -> tuple[str, str]:
     """Return the isolation level of the worker and what it means for uploads."""
     from seamark.sandbox.languages import DEFAULT_LANGUAGE
-    from seamark.server import installation, workers
     from seamark.server.database.engine import Database
+    from seamark.server.messaging import workers
+    from seamark.server.storage import installation
 
     database = Database(settings.database_url)
     try:

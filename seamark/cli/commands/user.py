@@ -9,13 +9,8 @@ from typing import TextIO
 import click
 
 from seamark.cli.console import print_json, print_json_line
-from seamark.cli.options import (
-    data_option,
-    database_of,
-    existing_database_of,
-    json_option,
-    settings_of,
-)
+from seamark.cli.local_service import data_option, database_of, existing_database_of, settings_of
+from seamark.cli.options import json_option
 from seamark.failures import UsageRefused
 
 # seamark.server.accounts.permissions.ACCOUNT_ROLES; a test holds them equal
@@ -164,8 +159,7 @@ def set_role(name: str, role: str, data: Path | None, as_json: bool) -> None:
     Example:
       seamark user role mr-lee teacher
     """
-    from seamark.server import audit
-    from seamark.server.accounts import accounts
+    from seamark.server.accounts import accounts, audit
     from seamark.server.accounts.permissions import Role
     from seamark.server.administration import people
 
@@ -196,8 +190,7 @@ def reset(name: str, data: Path | None, as_json: bool) -> None:
     Example:
       seamark user reset ana
     """
-    from seamark.server import audit
-    from seamark.server.accounts import accounts, password_resets
+    from seamark.server.accounts import accounts, audit, password_resets
     from seamark.server.administration import people
 
     settings = settings_of(data)
@@ -229,10 +222,9 @@ def delete(name: str, keep_published: bool, data: Path | None, as_json: bool) ->
     Example:
       seamark user delete ana --yes
     """
-    from seamark.server import audit
-    from seamark.server.accounts import accounts
+    from seamark.server.accounts import accounts, audit
     from seamark.server.administration import people
-    from seamark.server.runs import account_deletion
+    from seamark.server.runs.ending import account_deletion
 
     settings = settings_of(data)
     database = existing_database_of(settings)
@@ -263,8 +255,7 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     Example:
       seamark user password ana
     """
-    from seamark.server import audit
-    from seamark.server.accounts import accounts
+    from seamark.server.accounts import accounts, audit
 
     drawn = None if password is not None else secrets.token_urlsafe(12)
     database = database_of(settings_of(data))

@@ -10,7 +10,7 @@ from itertools import product
 import pytest
 from werkzeug.http import parse_options_header
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.server.web import csv_export
 from tests.cast import PROGRAM
 from tests.server.pages.conftest import Site

@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 from seamark.cli.commands.token import SCOPES as OFFERED
 from seamark.cli.commands.user import ROLES
 from seamark.cli.configuration import read_settings, typed
+from seamark.cli.local_service import settings_of
 from seamark.cli.main import COMMANDS, cli
-from seamark.cli.options import settings_of
 from seamark.sandbox.languages import starters
 from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.accounts import AccountRejected

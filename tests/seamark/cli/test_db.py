@@ -13,7 +13,7 @@ from seamark.server.database import schema
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import SchemaTooOld
 from seamark.server.database.tables import Best
-from seamark.server.runs import reference_entries
+from seamark.server.runs.leaderboard import reference_entries
 from seamark.server.settings import Settings
 from tests.cast import Backend
 

@@ -12,12 +12,12 @@ from sqlalchemy import make_url, text
 from seamark.cli import service_checks
 from seamark.cli.findings import Check
 from seamark.cli.main import cli
-from seamark.server import objects
 from seamark.server.database import schema
 from seamark.server.database.engine import Database
-from seamark.server.objects import MARK
-from seamark.server.result_code import result_code
+from seamark.server.database.result_code import result_code
 from seamark.server.settings import Settings
+from seamark.server.storage import objects
+from seamark.server.storage.objects import MARK
 from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
 from tests.services.ports import free_port
@@ -152,7 +152,7 @@ def test_the_free_space_is_measured_by_the_setting(service: Settings) -> None:
 
 
 def _free(settings: Settings) -> int:
-    from seamark.server import storage
+    from seamark.server.storage import storage
 
     return storage.free_bytes(settings.data)
 

@@ -10,10 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from seamark.cli.main import cli
-from seamark.server.backup import creation, layout, restoring
+from seamark.server.administration.backup import creation, layout, restoring
 from seamark.server.database import schema
 from seamark.server.database.data_folder import WrongDataFolder
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend

@@ -28,8 +28,8 @@ from seamark.client.async_runs import AsyncRun, AsyncSweep
 from seamark.client.sync_client import Client
 from seamark.client.sync_runs import Run, Sweep
 from seamark.server.app import create_app
-from seamark.server.runs import publications
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.publication import publications
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.cast import PROGRAM, Backend
 

@@ -10,7 +10,7 @@ import pytest
 
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.accounts import accounts
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend
 from tests.services import web

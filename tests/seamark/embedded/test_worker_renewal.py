@@ -11,8 +11,9 @@ import pytest
 from seamark.embedded.installed_tools import InstalledTools
 from seamark.embedded.supervisor import Child
 from seamark.embedded.worker_renewal import WorkerRenewal
-from seamark.server import installation, workers
 from seamark.server.database.tables import Worker
+from seamark.server.messaging import workers
+from seamark.server.storage import installation
 from tests.cast import Backend
 
 OLD, NEW = (f"{name}@{socket.gethostname()}" for name in ("old", "new"))

@@ -5,18 +5,23 @@ from typing import Any
 import pytest
 from sqlalchemy import select, update
 
-from seamark.server import audit
+from seamark.server.accounts import audit
+from seamark.server.accounts.audit import Actor, AuditFilter
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.administration import rejudge_choice, rejudgements
 from seamark.server.administration.rejudge_choice import Chosen, RunChoice
 from seamark.server.administration.rejudgements import Difference, RejudgementRefused
-from seamark.server.audit import Actor, AuditFilter
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs import best_runs, deletion, leaderboard, quota, rejudged, run_lists, totals
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.rank_preview import RankChange
-from seamark.server.runs.run_lists import RunFilter
-from seamark.server.runs.states import RunState
+from seamark.server.runs.ending import deletion
+from seamark.server.runs.leaderboard import best_runs, leaderboard
+from seamark.server.runs.leaderboard.rank_preview import RankChange
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.recomputation import rejudged
+from seamark.server.runs.record import totals
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.run_lists import RunFilter
+from seamark.server.runs.submission import quota
 from seamark.sim.recording.manifest import code_sha256
 from tests.cast import Backend
 

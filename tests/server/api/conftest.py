@@ -13,10 +13,10 @@ from werkzeug.test import TestResponse
 
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.checks import queue as check_queue
 from seamark.server.database.tables import Run
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunState
+from seamark.server.programs import check_queue
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import RunState
 from seamark.server.web.services import Services
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.cast import Backend

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from seamark.server import workers
 from seamark.server.database.tables import Worker
-from seamark.server.runs import disk_usage
+from seamark.server.messaging import workers
+from seamark.server.runs.data import disk_usage
 from tests.server.api.conftest import Site
 
 ADMIN = "/api/v1/admin"

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.server.runs.downsampling import downsample
+from seamark.server.runs.data.downsampling import downsample
 from seamark.sim.recording.telemetry import COLUMNS, NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site

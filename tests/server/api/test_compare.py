@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.server.api.conftest import Site
 

@@ -1,7 +1,7 @@
 """What programs find in their boxes, by the API and on the page."""
 
-from seamark.server import workers
 from seamark.server.database.tables import Worker
+from seamark.server.messaging import workers
 from tests.server.api.conftest import Site
 
 

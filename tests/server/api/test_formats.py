@@ -15,8 +15,8 @@ from werkzeug.test import TestResponse
 
 from seamark.formats import mat
 from seamark.formats.registry import FORMATS
-from seamark.server.runs.conversions import PLACES, ConversionFailed, Conversions
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.downloads.conversions import PLACES, ConversionFailed, Conversions
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
 

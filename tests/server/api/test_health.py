@@ -2,8 +2,8 @@
 
 import pytest
 
-from seamark.server import workers
 from seamark.server.database.tables import Worker
+from seamark.server.messaging import workers
 from tests.server.api.conftest import Site
 
 

@@ -1,6 +1,6 @@
 """What programs print is shown to people, and must not act on what shows it."""
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from tests.server.api.conftest import Site
 
 RUNS = "/api/v1/runs"

@@ -9,11 +9,11 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from redis import Redis
 
-from seamark.server import meters
 from seamark.server.app import create_app
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.runs import queue
-from seamark.server.runs.queue import AttemptEnd
+from seamark.server.monitoring import meters
+from seamark.server.runs.queue import queue
+from seamark.server.runs.queue.queue import AttemptEnd
 from tests.cast import Backend
 from tests.server.api.conftest import Site
 

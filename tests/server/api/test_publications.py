@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 import yaml
 
-from seamark.server.runs import publications
+from seamark.server.runs.publication import publications
 from tests.server.api.conftest import Site
 
 RUNS = "/api/v1/runs"

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from seamark.server.runs.scene import vehicle_shape
+from seamark.server.runs.showing.scene import vehicle_shape
 from seamark.sim.camera.seabed import TILE, texels
 from seamark.sim.vehicles import load
 from tests.server.api.conftest import Site

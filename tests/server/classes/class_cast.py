@@ -4,8 +4,8 @@ from typing import Any
 
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
-from seamark.server.runs import assigned, submission
-from seamark.server.runs.submission import Submission
+from seamark.server.runs.submission import assigned, submission
+from seamark.server.runs.submission.submission import Submission
 from tests.cast import PI_RUN, Backend
 
 

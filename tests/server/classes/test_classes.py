@@ -11,9 +11,9 @@ from seamark.server.classes import assignments, classrooms, progress
 from seamark.server.classes.progress import PupilProgress
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.class_tables import Assignment
-from seamark.server.runs import assigned, submission
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.submission import Submission, SubmissionRejected
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission import assigned, submission
+from seamark.server.runs.submission.submission import Submission, SubmissionRejected
 from tests.cast import PI_RUN, Backend
 from tests.server.classes.class_cast import assign, classroom, hand_in
 

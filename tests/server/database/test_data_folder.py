@@ -4,10 +4,10 @@ import os
 
 import pytest
 
-from seamark.server import storage
 from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.database.schema import check_all, upgrade
 from seamark.server.settings import Settings
+from seamark.server.storage import storage
 from tests.cast import Backend
 
 

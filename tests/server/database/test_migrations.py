@@ -7,14 +7,14 @@ from alembic.runtime.migration import MigrationContext
 from sqlalchemy import select, text, update
 from sqlalchemy.orm import Session
 
-from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
 from seamark.server.database.tables import Base, Run, User
-from seamark.server.runs import leaderboard
-from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.solutions import entry_name
+from seamark.server.messaging import workers
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.record.solutions import entry_name
 from tests.cast import Backend
 
 WORKER_0003 = """

@@ -7,8 +7,8 @@ import pytest
 from sqlalchemy import update
 
 from seamark.server.database.data_folder import DataFolder, WrongDataFolder
+from seamark.server.database.result_code import difference, result_code
 from seamark.server.database.schema import check_all, upgrade
-from seamark.server.result_code import difference, result_code
 from seamark.server.settings import SIGNS_NOTHING, Settings
 from tests.cast import Backend
 

@@ -13,10 +13,8 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, MetaData, inspect, select
 
 from performance.service.database.requests import create_first
-from seamark.server import audit, workers
-from seamark.server.accounts import accounts, browser_sessions, invitations
-from seamark.server.audit import Actor, AuditAction
-from seamark.server.checks import queue as check_queue
+from seamark.server.accounts import accounts, audit, browser_sessions, invitations
+from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
@@ -28,6 +26,8 @@ from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.submission_tables import KeyOfSubmission, SeenSubmission
 from seamark.server.database.tables import Worker
+from seamark.server.messaging import workers
+from seamark.server.programs import check_queue
 from seamark.server.settings import Settings
 from tests.cast import Backend
 

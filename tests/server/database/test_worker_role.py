@@ -11,19 +11,19 @@ from sqlalchemy import inspect, select, text
 from sqlalchemy.exc import ProgrammingError
 
 from seamark.cli.main import cli
-from seamark.server import workers
-from seamark.server.checks import queue as check_queue
 from seamark.server.database import worker_role
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import RunNotice
 from seamark.server.database.schema import check_all
 from seamark.server.database.tables import Best, Worker
-from seamark.server.programs import store
-from seamark.server.runs import best_runs, disk_usage, retention
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.queue import AttemptEnd, LeaseStatus
-from seamark.server.runs.retention import Sweep
-from seamark.server.runs.states import RunState
+from seamark.server.messaging import workers
+from seamark.server.programs import check_queue, store
+from seamark.server.runs.data import disk_usage, retention
+from seamark.server.runs.data.retention import Sweep
+from seamark.server.runs.leaderboard import best_runs
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import AttemptEnd, LeaseStatus
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import tables

@@ -12,7 +12,7 @@ from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNo
 from seamark.server.mail import addresses, outbox, sending, smtp
 from seamark.server.mail.addresses import MailRejected
 from seamark.server.mail.outbox import MailKind
-from seamark.server.runs import account_deletion
+from seamark.server.runs.ending import account_deletion
 from tests.cast import Backend
 from tests.server.mail.conftest import ANN, Post, age, long_run, rows
 from tests.services.smtp import SITE

@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from seamark.server import audit, workers
-from seamark.server.accounts import accounts
-from seamark.server.audit import AuditFilter
+from seamark.server.accounts import accounts, audit
+from seamark.server.accounts.audit import AuditFilter
 from seamark.server.database.tables import User, Worker
-from seamark.server.runs import disk_usage
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.states import RunState
+from seamark.server.messaging import workers
+from seamark.server.runs.data import disk_usage
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.submission.quota import QuotaExceeded
 from seamark.server.web import authentication
 from tests.server.pages.conftest import Site
 

@@ -4,8 +4,8 @@ import pytest
 
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import SUBMIT
-from seamark.server.runs import leaderboard
-from seamark.server.runs.run_size import size
+from seamark.server.runs.data.run_size import size
+from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.web.template_filters import duration, number
 from tests.server.pages.conftest import Site
 

@@ -2,7 +2,7 @@
 
 import re
 
-from seamark.server.runs.states import RunKind
+from seamark.server.runs.record.states import RunKind
 from tests.server.classes.class_cast import assign, classroom
 from tests.server.pages.conftest import Browser, Site
 

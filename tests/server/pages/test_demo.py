@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 import cv2
 import numpy as np
 
-from seamark.server.runs import recorded_demo
+from seamark.server.runs.showing import recorded_demo
 from tests.server.pages.conftest import Browser, Site
 
 _DATA = re.compile(r'<script type="application/json" id="run-data">(.*?)</script>', re.DOTALL)

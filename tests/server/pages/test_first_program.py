@@ -6,7 +6,7 @@ import re
 import pytest
 
 from seamark.server.pages import first_program
-from seamark.server.runs import recorded_demo
+from seamark.server.runs.showing import recorded_demo
 from seamark.sim import registry
 from tests.server.pages.conftest import WORDS, Site
 

@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.programs.setting_values import is_applicable, text_of
 from seamark.server.pages import form_fields
-from seamark.server.runs.setting_values import is_applicable, text_of
 from seamark.sim import registry
 from seamark.sim.trackers import option_names
 

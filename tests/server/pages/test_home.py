@@ -2,7 +2,7 @@
 
 import re
 
-from seamark.server.runs import baselines
+from seamark.server.runs.submission import baselines
 from tests.server.pages.conftest import Site
 
 FACT = re.compile(r"<dt>Queued or running</dt><dd>(\d+)</dd>")

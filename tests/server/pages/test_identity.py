@@ -7,12 +7,12 @@ import pytest
 from sqlalchemy import select
 
 from seamark.server.accounts import accounts, identities, invitations
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.identities import Identity
 from seamark.server.app import create_app
-from seamark.server.audit import AuditAction
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.tables import BrowserSession
-from seamark.server.runs import account_deletion
+from seamark.server.runs.ending import account_deletion
 from seamark.server.web import identity_provider
 from tests.cast import Backend
 from tests.server.pages.conftest import URL, WORDS, Site, with_settings

@@ -6,13 +6,15 @@ from html import unescape
 import pytest
 from sqlalchemy import update
 
+from seamark.programs.failure_reasons import FailureReason
 from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
-from seamark.server.runs import baselines, best_runs, leaderboard, publications
-from seamark.server.runs.failure_reasons import FailureReason
-from seamark.server.runs.publications import Terms
-from seamark.server.runs.states import RunState
+from seamark.server.runs.leaderboard import best_runs, leaderboard
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.submission import baselines
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.registry import benchmark
 from tests.cast import Backend

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.server.pages.conftest import Site
 

@@ -7,8 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from seamark.server.runs import leaderboard, preview_pictures, publications
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.publication import publications
+from seamark.server.runs.showing import preview_pictures
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX, WIDTH

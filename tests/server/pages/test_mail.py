@@ -10,8 +10,8 @@ import pytest
 from sqlalchemy import select
 
 from seamark.server.accounts import accounts, identities
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.identities import Identity
-from seamark.server.audit import AuditAction
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.mail_tables import OutgoingMail
 from seamark.server.mail import addresses

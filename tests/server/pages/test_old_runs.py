@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seamark.server.database.tables import Run
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Site
 

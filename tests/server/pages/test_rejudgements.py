@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Browser, Site
 

@@ -10,8 +10,8 @@ import pytest
 
 from seamark.formats import mat
 from seamark.server.app import create_app
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunState
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import RunState
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend

@@ -8,8 +8,8 @@ from sqlalchemy import update
 
 from seamark.server.classes import assignments
 from seamark.server.database.class_tables import Assignment
-from seamark.server.runs.states import RunKind
-from seamark.server.runs.views import RunView
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.showing.views import RunView
 from tests.server.classes.class_cast import assign, classroom, hand_in
 from tests.server.pages.conftest import Site
 

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from seamark.server.runs import publications
-from seamark.server.runs.states import RunState
+from seamark.server.runs.publication import publications
+from seamark.server.runs.record.states import RunState
 from tests.server.pages.conftest import Browser, Site
 
 

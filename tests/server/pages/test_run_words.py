@@ -2,8 +2,8 @@
 
 import pytest
 
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunState
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import RunState
 from seamark.server.web.template_filters import duration
 from tests.server.pages.conftest import Site
 

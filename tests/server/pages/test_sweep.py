@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"

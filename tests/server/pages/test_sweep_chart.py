@@ -7,9 +7,9 @@ from typing import Any, cast
 import pytest
 
 from seamark.server.pages import sweep_chart, sweep_edges
-from seamark.server.runs.sweep_axes import Axis, Value
-from seamark.server.runs.sweeps import Cell, SweepView
-from seamark.server.runs.views import RunView
+from seamark.server.runs.showing.views import RunView
+from seamark.server.runs.submission.sweep_axes import Axis, Value
+from seamark.server.runs.submission.sweeps import Cell, SweepView
 
 GAIN: dict[str, Any] = {"title": "Gain", "x-unit": "1/s", "type": "number"}
 

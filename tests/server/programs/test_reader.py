@@ -10,8 +10,8 @@ from contextlib import closing, suppress
 
 import pytest
 
-from seamark.server.programs import preparation
-from seamark.server.programs.preparation import PreparedProgram, UploadRejected
+from seamark.programs import preparation
+from seamark.programs.preparation import PreparedProgram, UploadRejected
 from seamark.server.programs.reader import ProgramReader
 
 GOOD = b"class Controller(Base):\n    pass\n"

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from seamark.server import objects, storage
+from seamark.programs.preparation import PreparedProgram
 from seamark.server.programs import store
-from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.settings import Settings
-from seamark.server.storage import StorageUnavailable
+from seamark.server.storage import objects, storage
+from seamark.server.storage.storage import StorageUnavailable
 
 SOURCE = b"class Controller(Base):\n    pass\n"
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from seamark.programs.archives import normal_form
 from seamark.sandbox.limits import Limits
-from seamark.server.programs.archives import normal_form
 from seamark.server.programs.source_differences import (
     COLUMNS_MAX,
     LINES_MAX,

@@ -11,15 +11,16 @@ from sqlalchemy import update
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.checks import queue as check_queue
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
-from seamark.server.runs import baselines, start_order
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.guest_share import GUEST_SHARE
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import RunState
+from seamark.server.programs import check_queue
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue import start_order
+from seamark.server.runs.queue.guest_share import GUEST_SHARE
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.submission import baselines
 from seamark.server.settings import Settings
 from seamark.worker.service.maintenance import Recoverer
 from tests.cast import Backend

@@ -9,9 +9,9 @@ from sqlalchemy import func, select, text
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run
-from seamark.server.runs import baselines, quota
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.submission import SubmissionRejected
+from seamark.server.runs.submission import baselines, quota
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.runs.submission.submission import SubmissionRejected
 from tests.cast import Backend
 
 MIB = 2**20

@@ -17,7 +17,7 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
-from seamark.server.runs.conversions import Conversions
+from seamark.server.runs.downloads.conversions import Conversions
 from seamark.server.web import authentication
 from seamark.server.web.asgi import APART
 from tests.cast import Backend

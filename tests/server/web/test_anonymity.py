@@ -9,9 +9,9 @@ import pytest
 from seamark.server.accounts import accounts, profiles
 from seamark.server.accounts.profiles import Profile
 from seamark.server.app import create_app
-from seamark.server.runs import publications
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.publications import Terms
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.publication import publications
+from seamark.server.runs.publication.publications import Terms
 from tests.cast import Backend
 from tests.server.api.conftest import Site
 from tests.server.web.routes import ROUTES

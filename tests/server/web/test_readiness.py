@@ -8,11 +8,10 @@ import pytest
 from flask.testing import FlaskClient
 from sqlalchemy import update
 
-from seamark.server import workers
 from seamark.server.app import create_app
 from seamark.server.database.tables import Worker
-from seamark.server.messaging import broker
-from seamark.server.outages import Outage
+from seamark.server.messaging import broker, workers
+from seamark.server.monitoring.outages import Outage
 from seamark.server.settings import Settings
 from seamark.server.web.readiness import Readiness
 from tests.cast import Backend

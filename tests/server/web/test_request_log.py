@@ -6,7 +6,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from seamark.server.app import create_app
-from seamark.server.log import request_id
+from seamark.server.monitoring.log import request_id
 from tests.cast import Backend
 
 

@@ -11,11 +11,11 @@ import pytest
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
-from seamark.server import workers
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.tables import Worker
-from seamark.server.runs.files import RunFiles
+from seamark.server.messaging import workers
+from seamark.server.runs.data.files import RunFiles
 from tests.cast import PI_RUN, PROGRAM, Backend
 
 MORE_THAN_ANY_DISK = 2**62

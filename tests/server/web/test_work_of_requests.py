@@ -16,10 +16,11 @@ from performance.service.database.requests import BENCHMARK, addresses, create_f
 from performance.service.database.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
-from seamark.server.runs import leaderboard, run_lists
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.run_lists import Place, RunFilter
-from seamark.server.runs.states import RunState
+from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.run_lists import Place, RunFilter
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from seamark.programs import preparation
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, editor_starters, language_of, starters
 from seamark.sandbox.languages.language import Language
 from seamark.sandbox.probing.self_test import tried
-from seamark.server.programs import preparation
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import SHORT
 

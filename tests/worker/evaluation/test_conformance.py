@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
 
+from seamark.programs import preparation
+from seamark.programs.preparation import PreparedProgram
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, language_of, starters
@@ -17,8 +19,6 @@ from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.self_test import tried
-from seamark.server.programs import preparation
-from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.local import Controller, evaluate_locally

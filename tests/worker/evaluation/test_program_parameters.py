@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from seamark.server.programs.preparation import prepare
+from seamark.programs.preparation import prepare
 from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from seamark.programs.failure_reasons import FailureReason
 from seamark.sandbox.outcome import Outcome, Verdict
-from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim.recording.telemetry import WIDTH
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import deliver

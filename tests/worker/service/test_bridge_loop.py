@@ -23,10 +23,10 @@ from seamark.cli.server_bridge import run_on_server
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.tables import Token, User
-from seamark.server.runs.states import RunState
-from seamark.server.runs.views import RunView
-from seamark.server.streams.access_watch import RENEW_S
-from seamark.server.streams.bridge_session import REFUSED
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing.views import RunView
+from seamark.server.web.streams.access_watch import RENEW_S
+from seamark.server.web.streams.bridge_session import REFUSED
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.seamark.bridge.conftest import BENCHMARK, SEED, SHORT, configuration
 from tests.seamark.bridge.rosbridge.conftest import PATIENCE_S, Client

@@ -8,7 +8,7 @@ from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.proc_stats import tree
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.claimed_run import evaluate

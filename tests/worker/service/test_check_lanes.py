@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from seamark.server.checks import queue
-from seamark.server.checks.queue import CheckState, CheckView
+from seamark.server.programs import check_queue
+from seamark.server.programs.check_queue import CheckState, CheckView
 from tests.cast import PROGRAM
 from tests.worker.conftest import START_S, Service
 
@@ -22,14 +22,14 @@ STEPS = PROGRAM.replace(b"...\n    def", b"pass\n    def").replace(b"...", b"ret
 def _enqueue(service: Service, who: str, source: bytes) -> int:
     program = service.store_program(source)
     with service.database.writing() as session:
-        check_id = queue.enqueue(session, service.user_id(who), "currents-v1", {}, program)
-    queue.wake_worker(service.redis)
+        check_id = check_queue.enqueue(session, service.user_id(who), "currents-v1", {}, program)
+    check_queue.wake_worker(service.redis)
     return check_id
 
 
 def _show(service: Service, check_id: int, who: str) -> CheckView:
     with service.database.reading() as session:
-        view = queue.show(session, check_id, service.user_id(who))
+        view = check_queue.show(session, check_id, service.user_id(who))
     assert view is not None
     return view
 

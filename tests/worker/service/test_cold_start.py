@@ -9,7 +9,7 @@ from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.messaging import broker
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_loop import RunLoop
 from tests.cast import Backend

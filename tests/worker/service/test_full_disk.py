@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.server import storage
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.programs import store
-from seamark.server.runs import queue as run_queue
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import RunState
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.states import RunState
+from seamark.server.storage import storage
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot

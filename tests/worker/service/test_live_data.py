@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from redis import Redis
 
-from seamark.server import storage
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker, live_data
-from seamark.server.runs.files import HEAD_MAX, RunFiles
-from seamark.server.streams import listener
-from seamark.server.streams.hub import Hub
+from seamark.server.runs.data.files import HEAD_MAX, RunFiles
+from seamark.server.storage import storage
+from seamark.server.web.streams import listener
+from seamark.server.web.streams.hub import Hub
 from seamark.worker.service import run_upload
 from seamark.worker.service.run_upload import RunUpload
 from tests.cast import Backend

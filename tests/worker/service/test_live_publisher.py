@@ -1,6 +1,6 @@
 from redis import Redis
 
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from seamark.worker.service.live_publisher import LivePublisher
 from tests.services import valkey
 

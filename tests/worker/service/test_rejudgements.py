@@ -6,13 +6,13 @@ from collections.abc import Callable
 import pytest
 from sqlalchemy import select, update
 
+from seamark.server.accounts.audit import Actor
 from seamark.server.administration import fleet, rejudgements
 from seamark.server.administration.rejudge_choice import RunChoice
 from seamark.server.administration.rejudgements import Difference, RejudgementView
-from seamark.server.audit import Actor
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
-from seamark.server.runs.states import RunState
+from seamark.server.runs.record.states import RunState
 from tests.worker.conftest import LONG, START_S, Service
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.worker.service.run_recorder import RunRecorder
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seamark.server import objects, storage
 from seamark.server.database import schema
 from seamark.server.database.data_folder import WrongDataFolder
-from seamark.server.objects import Objects
-from seamark.server.runs import stored_files
-from seamark.server.runs.files import StorageFailed
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.data.files import StorageFailed
 from seamark.server.settings import Settings
+from seamark.server.storage import objects, storage
+from seamark.server.storage.objects import Objects
 from seamark.worker.service import run_upload
 from seamark.worker.service.run_upload import RunUpload
 from tests.services import s3

@@ -12,10 +12,10 @@ import pytest
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
-from seamark.server.runs import quota, submission
-from seamark.server.runs.states import RunState
-from seamark.server.runs.submission import Submission
-from seamark.server.streams.hub import Hub
+from seamark.server.runs.record.states import RunState
+from seamark.server.runs.submission import quota, submission
+from seamark.server.runs.submission.submission import Submission
+from seamark.server.web.streams.hub import Hub
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.services.viewer import Viewer

@@ -11,10 +11,10 @@ import pytest
 from sqlalchemy import update
 
 from seamark.sandbox.isolation.proc_stats import tree
-from seamark.server import workers
 from seamark.server.database.tables import Worker
-from seamark.server.runs.states import RunState
-from seamark.server.workers import WorkerStatus
+from seamark.server.messaging import workers
+from seamark.server.messaging.workers import WorkerStatus
+from seamark.server.runs.record.states import RunState
 from seamark.worker.service import ping
 from seamark.worker.service.side_processes import SideProcesses
 from tests.worker.conftest import Service

@@ -11,14 +11,15 @@ from typing import Any
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.server import meters, objects
-from seamark.server.checks import queue as checks
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
-from seamark.server.runs import stored_files
-from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import RunState
+from seamark.server.monitoring import meters
+from seamark.server.programs import check_queue as checks
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
+from seamark.server.storage import objects
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot

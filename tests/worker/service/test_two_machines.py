@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.server import objects
-from seamark.server.runs import run_objects, stored_files
-from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunState
+from seamark.server.runs.data import run_objects, stored_files
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
+from seamark.server.storage import objects
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.services import s3

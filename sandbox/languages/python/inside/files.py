@@ -1,6 +1,6 @@
 """The files of a program: one text, or an archive, which is unpacked here and nowhere else.
 
-The server has checked the archive and packed it again (server/programs/archives). Its limits are
+The server has checked the archive and packed it again (seamark/programs/archives). Its limits are
 repeated here, since this end cannot rely on that.
 """
 

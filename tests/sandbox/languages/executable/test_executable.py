@@ -4,6 +4,7 @@ import struct
 
 import pytest
 
+from seamark.programs import preparation
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
@@ -12,7 +13,6 @@ from seamark.sandbox.languages.executable import ELF_HEADER, refusal
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import tried
-from seamark.server.programs import preparation
 from tests.hostile.conftest import LAYOUT
 
 

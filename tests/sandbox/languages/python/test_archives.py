@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from seamark.programs.archives import normal_form
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from seamark.server.programs.archives import normal_form
 from tests.hostile.uploads.archives import damaged, zipped
 
 pytestmark = pytest.mark.host

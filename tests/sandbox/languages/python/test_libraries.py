@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from seamark.programs.archives import normal_form
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from seamark.server.programs.archives import normal_form
 from tests.sandbox.languages.python.networks import policy, weights
 
 pytestmark = pytest.mark.host

@@ -9,7 +9,7 @@ import pytest
 
 from seamark.bridge.ardusub.link import Link
 from seamark.bridge.ardusub.program import ArduSub
-from seamark.server.runs.failure_reasons import FailureReason
+from seamark.programs.failure_reasons import FailureReason
 from seamark.sim import registry
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import INDEX

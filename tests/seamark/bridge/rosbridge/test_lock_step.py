@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from seamark.server.runs.failure_reasons import FailureReason
+from seamark.programs.failure_reasons import FailureReason
 from tests.seamark.bridge.conftest import Running, built_in
 from tests.seamark.bridge.rosbridge.conftest import Bridged, Open
 

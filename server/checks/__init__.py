@@ -1,1 +1,0 @@
-"""Checks: a short trial of a program before it is submitted."""

@@ -1,0 +1,148 @@
+"""All that the service stores of an account as one zip archive, made while it is sent."""
+
+import json
+import zipfile
+from collections.abc import Iterator
+from dataclasses import asdict
+from io import RawIOBase
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from seamark.server.accounts import accounts, identities, profiles
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.classes import classrooms
+from seamark.server.database.engine import Database
+from seamark.server.database.mail_tables import MailAddress
+from seamark.server.database.tables import User
+from seamark.server.programs import store
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.showing import run_lists, views
+from seamark.server.runs.showing.run_lists import FIRST, Place, RunFilter
+from seamark.server.runs.showing.views import RunView
+from seamark.server.settings import Settings
+
+PAGE = 50  # runs that are read from the database at a time
+CHUNK_BYTES = 256 * 1024
+_NOT_OWN = {
+    "guest",
+    "teacher_id",
+    "data_run",
+    "hidden_name",
+}  # fields of a view that are not data of the run
+
+
+def archive(
+    database: Database, settings: Settings, viewer: Viewer, *, telemetry: bool
+) -> Iterator[bytes]:
+    """Yield a zip archive: the account, and each run with configuration, result, log and program.
+
+    With `telemetry` also the recorded rows. Needs the memory of a page of runs, however many there
+    are, and holds no transaction while a slow client reads.
+    """
+    sink = _Sink()
+    with zipfile.ZipFile(sink, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("account.json", _json(_account(database, viewer)))
+        for run_id in _run_ids(database, viewer):
+            with database.reading() as session:
+                run = views.show(session, run_id)
+            if run is None:  # deleted meanwhile
+                continue
+            for _ in _write_run(file, settings, run, telemetry=telemetry):
+                yield sink.take()
+            yield sink.take()
+    yield sink.take()
+
+
+def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
+    user_id = viewer.user_id or 0
+    with database.reading() as session:
+        user = session.get_one(User, user_id)
+        return {
+            "name": user.name,
+            "role": user.role,
+            "profile": asdict(profiles.of(user)),
+            "created_at": user.created_at,
+            "mail": _mail(session, user),
+            "identities": [
+                {"issuer": each.issuer, "subject": each.subject, "name": each.label}
+                for each in identities.all_of(session, user_id)
+            ],
+            "tokens": [
+                {"name": token.name, "created_at": token.created_at, "scopes": token.scopes}
+                for token in accounts.tokens(session, user_id)
+            ],
+            "classes_joined": [each.name for each in classrooms.joined_by(session, user_id)],
+            "classes_taught": [each.name for each in classrooms.taught_by(session, user_id)],
+        }
+
+
+def _mail(session: Session, user: User) -> dict[str, Any]:
+    found = session.get(MailAddress, user.id) or MailAddress()
+    return {
+        "address": found.address,
+        "not_confirmed": found.pending,
+        "notify_minutes": user.notify_minutes,
+    }
+
+
+def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:
+    start: Place | None = FIRST
+    while start is not None:
+        with database.reading() as session:
+            page = run_lists.page(session, viewer, RunFilter(), start=start, limit=PAGE)
+        yield from (run.id for run in page.runs)
+        start = page.next
+
+
+def _write_run(
+    file: zipfile.ZipFile, settings: Settings, run: RunView, *, telemetry: bool
+) -> Iterator[None]:
+    """Write a run, chunk by chunk."""
+    folder = f"runs/{run.id}"
+    file.writestr(f"{folder}/run.json", _json(run.model_dump(mode="json", exclude=_NOT_OWN)))
+    if run.data_deleted_at is not None:
+        return
+    files = stored_files.of_run(settings, run)
+    if log := files.log_text():
+        file.writestr(f"{folder}/log.txt", log)
+    if run.program_sha256 is not None and store.size(settings, run.program_sha256):
+        name = Path(run.program_name or "program").name
+        file.writestr(f"{folder}/program/{name}", store.read(settings, run.program_sha256))
+    yield
+    if telemetry and files.telemetry_path.is_file():
+        file.writestr(f"{folder}/columns.json", _json(files.columns))
+        with (
+            files.telemetry_path.open("rb") as rows,
+            file.open(f"{folder}/telemetry.f64", "w", force_zip64=True) as entry,
+        ):
+            while chunk := rows.read(CHUNK_BYTES):
+                entry.write(chunk)
+                yield
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, indent=2, ensure_ascii=False)
+
+
+class _Sink(RawIOBase):
+    """A file that keeps what is written until it is taken."""
+
+    def __init__(self) -> None:
+        self._pieces: list[bytes] = []
+
+    def writable(self) -> bool:
+        """Return True: it cannot be read or positioned."""
+        return True
+
+    def write(self, data: Any) -> int:
+        """Keep the data."""
+        self._pieces.append(bytes(data))
+        return len(data)
+
+    def take(self) -> bytes:
+        """Return what has been written since the last time."""
+        taken = b"".join(self._pieces)
+        self._pieces.clear()
+        return taken

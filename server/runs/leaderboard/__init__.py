@@ -1,0 +1,1 @@
+"""Leaderboards: best rows, ranges of ranks, filters, reference entries."""

@@ -1,0 +1,307 @@
+"""The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth.
+
+A user has one row per benchmark: the best published ranked run.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, NamedTuple, Self
+
+from sqlalchemy import (
+    ColumnElement,
+    Row,
+    Select,
+    and_,
+    or_,
+    select,
+    union_all,
+)
+from sqlalchemy.orm import Session
+
+from seamark.server.database.tables import IS_BASELINE, Best, Run, User
+from seamark.server.runs.leaderboard import score_counts
+from seamark.server.runs.leaderboard.ranking import Estimate, Population
+from seamark.server.runs.record import anonymity
+from seamark.sim.benchmarks.benchmark import Benchmark
+
+
+@dataclass(frozen=True, slots=True)
+class Cursor:
+    """The sort key of the last row of a page."""
+
+    score: float
+    reached_at: float
+    run_id: int  # not the user, who may be anonymous
+
+    def text(self) -> str:
+        """Return a text for a URL; `parse` reads it back exactly."""
+        return f"{self.score.hex()}_{self.reached_at.hex()}_{self.run_id}"
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read a cursor; raises ValueError if it is none."""
+        score, reached_at, run_id = text.split("_")
+        cursor = cls(float.fromhex(score), float.fromhex(reached_at), int(run_id))
+        if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.run_id) < 2**53):
+            raise ValueError("no row of a leaderboard has this key")
+        return cursor
+
+
+_ORDER = (Best.score.desc(), Best.reached_at, Best.run_id)
+# What a `Rank` has of its rows, by its names. Columns alone: objects of the ORM take longer.
+_COLUMNS = (
+    *(Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.level_held, Best.submissions),
+    *(Best.reached_at, Best.language, Best.vehicle, Best.tracker, Best.metrics),
+    *(Best.score_low.label("low"), Best.score_high.label("high")),
+    *(Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes),
+    *(Run.method, Run.anonymous),
+    *(User.name.label("user"), User.affiliation),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rank:
+    """One row of the leaderboard.
+
+    A baseline has no rank: it is a mark on the scale, and moves nobody down.
+    """
+
+    rank: int | None  # by the score; equal scores in order of time
+    rank_low: int | None  # the best and the worst rank that are compatible with all scores,
+    rank_high: int | None  # see server/runs/leaderboard/ranking.py
+    user_id: int
+    user: str
+    anonymous: bool  # then `user` is no name
+    is_baseline: bool
+    run_id: int
+    benchmark: str
+    config: dict[str, Any]
+    controller: str
+    program_name: str | None
+    title: str
+    method: str
+    notes: str  # of the run: how its author describes the method
+    affiliation: str  # of the user
+    language: str  # empty: a built-in solution
+    vehicle: str
+    tracker: str
+    metrics: Mapping[str, float]  # `Benchmark.board_metrics`
+    score: float
+    low: float
+    high: float
+    level_held: float | None
+    submissions: int  # ranked, of this user in this benchmark
+    reached_at: float
+
+    @property
+    def cursor(self) -> Cursor:
+        """Where to go on after this row."""
+        return Cursor(self.score, self.reached_at, self.run_id)
+
+
+def page(
+    session: Session,
+    benchmark: str,
+    *,
+    after: Cursor | None = None,
+    limit: int = 50,
+    people: Population | None = None,
+) -> list[Rank]:
+    """Return the next rows of one benchmark, best first; equal scores in order of time.
+
+    `people` are those of the leaderboard, if the caller has them; here and below.
+    """
+    query = _rows(benchmark).order_by(*_ORDER).limit(limit)
+    number = 0
+    if after is not None:
+        query = query.where(*_below(after))
+        number = people_down_to(session, benchmark, after)
+    people = score_counts.population(session, benchmark) if people is None else people
+    ranks: list[Rank] = []
+    for row in session.execute(query):
+        number += not row.is_baseline
+        ranks.append(_rank(row, number, people))
+    return ranks
+
+
+def leaders(session: Session, benchmark: Benchmark, count: int) -> list[Rank]:
+    """Return the first rows of a leaderboard, without baselines and without ranges of ranks."""
+    return _leaders(session.execute(_leading(benchmark, count)), count)
+
+
+def leaders_of(
+    session: Session, benchmarks: Sequence[Benchmark], count: int
+) -> dict[str, list[Rank]]:
+    """Return name -> `leaders` of some benchmarks, by one statement."""
+    each = (select(_leading(benchmark, count).subquery()) for benchmark in benchmarks)
+    rows = sorted(session.execute(union_all(*each)), key=_order)
+    return {
+        benchmark.name: _leaders((row for row in rows if row.benchmark == benchmark.name), count)
+        for benchmark in benchmarks
+    }
+
+
+class Kind(NamedTuple):
+    """What filters tell rows apart by."""
+
+    language: str  # empty: a built-in solution
+    vehicle: str
+    tracker: str  # empty: the program's own
+    is_baseline: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """What a row is filtered and sorted by; `number` is its rank, or that of the row above."""
+
+    number: int
+    user_id: int
+    run_id: int
+    is_baseline: bool
+    score: float
+    reached_at: float
+    language: str
+    vehicle: str
+    tracker: str
+    metrics: Mapping[str, float]
+
+    @classmethod
+    def of(cls, number: int, row: Row[*tuple[Any, ...]]) -> Self:
+        """Return the key of a row that `_keys` selects."""
+        return cls(**row._asdict() | {"number": number, "metrics": row.metrics or {}})
+
+    @property
+    def cursor(self) -> Cursor:
+        """Where to go on after this row."""
+        return Cursor(self.score, self.reached_at, self.run_id)
+
+
+def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit: int) -> list[Key]:
+    """Return the keys of the next rows, best first: a fraction of the work of whole rows."""
+    query = _keys(benchmark).order_by(*_ORDER).limit(limit)
+    number = 0
+    if after is not None:
+        query = query.where(*_below(after))
+        number = people_down_to(session, benchmark, after)
+    found: list[Key] = []
+    for row in session.execute(query):
+        number += not row.is_baseline
+        found.append(Key.of(number, row))
+    return found
+
+
+def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = None) -> list[Key]:
+    """Return the keys of all baselines, or of those after a row, best first. They are few.
+
+    Sorted here: with ORDER BY, SQLite would look for them among all rows in that order.
+    """
+    rows = session.execute(_keys(benchmark).where(IS_BASELINE))
+    found = [Key.of(0, row) for row in rows]
+    found.sort(key=lambda key: place(key.cursor))
+    return [key for key in found if after is None or place(key.cursor) > place(after)]
+
+
+def kinds(session: Session, benchmark: str, *, limit: int) -> set[Kind]:
+    """Return what filters can tell apart among the first rows."""
+    columns = (Best.language, Best.vehicle, Best.tracker, Best.is_baseline)
+    first = select(*columns).where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
+    return {Kind(*row) for row in session.execute(select(first.subquery()).distinct())}
+
+
+def rows_of(
+    session: Session, benchmark: str, chosen: Sequence[Key], people: Population | None = None
+) -> list[Rank]:
+    """Return the whole rows of some keys, in their order."""
+    if not chosen:
+        return []
+    query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
+    found = {row.user_id: row for row in session.execute(query)}
+    people = score_counts.population(session, benchmark) if people is None else people
+    return [_rank(found[key.user_id], key.number, people) for key in chosen if key.user_id in found]
+
+
+def rank_of(
+    session: Session, benchmark: str, user_id: int, people: Population | None = None
+) -> Rank | None:
+    """Return a user's own row, or None without one."""
+    found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
+    if found is None:
+        return None
+    here = Cursor(found.score, found.reached_at, found.run_id)
+    number = people_down_to(session, benchmark, here)
+    people = score_counts.population(session, benchmark) if people is None else people
+    return _rank(found, number, people)
+
+
+def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:
+    return (
+        select(*_COLUMNS, Best.standard_error, Best.degrees)
+        .join(Run, Run.id == Best.run_id)
+        .join(User, User.id == Best.user_id)
+        .where(Best.benchmark == benchmark)
+    )
+
+
+def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
+    columns = (Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.reached_at)
+    query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
+    return query.where(Best.benchmark == benchmark)
+
+
+def _leading(benchmark: Benchmark, count: int) -> Select[*tuple[Any, ...]]:
+    """Select so many first rows that `count` people are among them, if there are as many."""
+    return _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
+
+
+def _leaders(rows: Iterable[Row[*tuple[Any, ...]]], count: int) -> list[Rank]:
+    people = islice((row for row in rows if not row.is_baseline), count)
+    return [_rank(row, number, None) for number, row in enumerate(people, start=1)]
+
+
+def _order(row: Row[*tuple[Any, ...]]) -> tuple[float, float, int]:
+    return place(Cursor(row.score, row.reached_at, row.run_id))
+
+
+def place(cursor: Cursor) -> tuple[float, float, int]:
+    """Return what sorts as `_ORDER` does."""
+    return -cursor.score, cursor.reached_at, cursor.run_id
+
+
+def _below(cursor: Cursor) -> tuple[ColumnElement[bool], ...]:
+    # The first condition says less than the second, but databases find it in the index.
+    return Best.score <= cursor.score, ~_not_below(cursor)
+
+
+def _not_below(cursor: Cursor) -> ColumnElement[bool]:
+    same = Best.score == cursor.score
+    return or_(
+        Best.score > cursor.score,
+        and_(same, Best.reached_at < cursor.reached_at),
+        and_(same, Best.reached_at == cursor.reached_at, Best.run_id <= cursor.run_id),
+    )
+
+
+def people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
+    """Return the number of people at or above a row."""
+    not_below = _not_below(here)
+    return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below)
+
+
+def estimate_of(best: Best | Row[*tuple[Any, ...]]) -> Estimate:
+    """Return the score of a row with what is known of its uncertainty."""
+    return Estimate(score=best.score, standard_error=best.standard_error, degrees=best.degrees)
+
+
+def _rank(row: Row[*tuple[Any, ...]], number: int, people: Population | None) -> Rank:
+    low, high = None, None
+    if people is not None and not row.is_baseline:
+        low, high = people.rank_range(estimate_of(row))
+    values = row._asdict() | {"metrics": row.metrics or {}}
+    if row.anonymous:
+        masked = {"user": anonymity.NAME, "affiliation": ""}
+        values |= masked | {"program_name": anonymity.file_name(row.program_name)}
+    del values["standard_error"], values["degrees"]
+    rank = None if row.is_baseline else number
+    return Rank(rank=rank, rank_low=low, rank_high=high, **values)

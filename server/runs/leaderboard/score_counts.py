@@ -1,0 +1,165 @@
+"""How many people have which score, counted in narrow classes.
+
+A leaderboard may have a million rows. To rank one of them, all the others count; the classes are
+some thousands at most and are kept up to date with the rows, in the same transaction.
+
+A class of scores is 1/256 of an octave wide, so 0.125 between 32 and 64 and 0.002 between 0.5 and
+1; a class of standard errors 1/2 of an octave. The ends of scores are exact in binary arithmetic.
+"""
+
+import math
+from collections import Counter
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import ColumnElement, and_, delete, func, insert, select, update
+from sqlalchemy.orm import Session
+
+from seamark.server.database.rank_tables import ScoreCount
+from seamark.server.database.tables import Best
+from seamark.server.runs.leaderboard.ranking import Estimate, Population
+from seamark.sim.numerics.arrays import Array
+
+SINGLE_ROWS = 2000  # up to this many people every row is compared, above it every class
+CLASSES_PER_OCTAVE = 256
+LOWEST_EXPONENT, HIGHEST_EXPONENT = -10, 20  # scores below 2**-10, and negative ones: class 0
+ERRORS_PER_OCTAVE = 2
+UNKNOWN_ERROR = 1000
+_HIGHEST_CLASS = (HIGHEST_EXPONENT - LOWEST_EXPONENT) * CLASSES_PER_OCTAVE + 1
+_LARGEST_ERROR_CLASS = 100
+
+Key = tuple[int, int, int]  # class of the score, class of the standard error, degrees of freedom
+
+
+def score_class(score: float) -> int:
+    """Return the class of a score; a higher score never has a lower class."""
+    if score < 2.0**LOWEST_EXPONENT:
+        return 0
+    mantissa, exponent = math.frexp(score)  # score = mantissa * 2**exponent, mantissa >= 0.5
+    octave = exponent - 1 - LOWEST_EXPONENT
+    within = math.floor((2.0 * mantissa - 1.0) * CLASSES_PER_OCTAVE)
+    return min(octave * CLASSES_PER_OCTAVE + within + 1, _HIGHEST_CLASS)
+
+
+def lower_ends(classes: NDArray[np.int64]) -> Array:
+    """Return the lowest score of each class; a class ends where the next one begins."""
+    octave, within = np.divmod(classes - 1, CLASSES_PER_OCTAVE)
+    inside = np.ldexp(1.0 + within / CLASSES_PER_OCTAVE, octave + LOWEST_EXPONENT)
+    beyond = np.where(classes > _HIGHEST_CLASS, math.inf, inside)
+    return np.where(classes < 1, -math.inf, beyond)
+
+
+def error_class(standard_error: float | None) -> int:
+    """Return the class of a standard error."""
+    if standard_error is None:
+        return UNKNOWN_ERROR
+    smallest = 2.0 ** (-_LARGEST_ERROR_CLASS / ERRORS_PER_OCTAVE)
+    number = math.ceil(ERRORS_PER_OCTAVE * math.log2(max(standard_error, smallest)))
+    return UNKNOWN_ERROR if number > _LARGEST_ERROR_CLASS else number
+
+
+def key_of(row: Estimate) -> Key:
+    """Return the class that a row is counted in."""
+    return score_class(row.score), error_class(row.standard_error), row.degrees
+
+
+def change(session: Session, benchmark: str, key: Key, by: int) -> None:
+    """Count one person more or less in a class. The caller holds the leaderboard's lock."""
+    this = _is(benchmark, key)
+    changed = update(ScoreCount).where(this).values(people=ScoreCount.people + by)
+    if session.scalar(changed.returning(ScoreCount.people)) is None:
+        session.execute(insert(ScoreCount).values(_row(benchmark, key, by)))
+    session.execute(delete(ScoreCount).where(this, ScoreCount.people == 0))
+
+
+def replace_all(session: Session, counts: Counter[tuple[str, Key]]) -> None:
+    """Store the counts of all benchmarks."""
+    session.execute(delete(ScoreCount))
+    rows = [_row(benchmark, key, people) for (benchmark, key), people in counts.items()]
+    if rows:
+        session.execute(insert(ScoreCount), rows)
+
+
+def size(session: Session, benchmark: str) -> int:
+    """Return the number of people on a leaderboard."""
+    people = select(func.sum(ScoreCount.people)).where(ScoreCount.benchmark == benchmark)
+    return int(session.scalar(people) or 0)
+
+
+def sizes(session: Session) -> dict[str, int]:
+    """Return the `size` of each leaderboard on which there is somebody."""
+    people = select(ScoreCount.benchmark, func.sum(ScoreCount.people))
+    return {
+        name: int(count) for name, count in session.execute(people.group_by(ScoreCount.benchmark))
+    }
+
+
+def at_or_above(
+    session: Session, benchmark: str, score: float, *, not_below: ColumnElement[bool]
+) -> int:
+    """Return the number of people at or above a row of the leaderboard.
+
+    Parameters
+    ----------
+    score
+        Of that row.
+    not_below
+        The condition for rows of `best`; only those of the row's own class are compared.
+    """
+    number = score_class(score)
+    low, high = lower_ends(np.array([number, number + 1])).tolist()
+    higher = select(func.sum(ScoreCount.people)).where(
+        ScoreCount.benchmark == benchmark, ScoreCount.score_class > number
+    )
+    same = select(func.count()).where(
+        Best.benchmark == benchmark, Best.score >= low, Best.score < high, ~Best.is_baseline
+    )
+    both = select(higher.scalar_subquery(), same.where(not_below).scalar_subquery())
+    people_higher, people_same = session.execute(both).one()
+    return int(people_higher or 0) + int(people_same)
+
+
+def population(session: Session, benchmark: str, *, single_rows: int = SINGLE_ROWS) -> Population:
+    """Return the scores of all people: each row, or each class if there are more than that."""
+    if size(session, benchmark) <= single_rows:
+        return _of_rows(session, benchmark)
+    columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
+    query = select(*columns, ScoreCount.people).where(ScoreCount.benchmark == benchmark)
+    found = np.array([tuple(row) for row in session.execute(query)], dtype=np.int64)
+    numbers, errors, degrees, people = found.T
+    largest = np.exp2(errors / ERRORS_PER_OCTAVE)
+    return Population(
+        low=lower_ends(numbers),
+        high=lower_ends(numbers + 1),
+        standard_error=np.where(errors == UNKNOWN_ERROR, math.inf, largest),
+        degrees=degrees.astype(float),
+        people=people,
+    )
+
+
+def _of_rows(session: Session, benchmark: str) -> Population:
+    query = select(Best.score, Best.standard_error, Best.degrees)
+    rows = session.execute(query.where(Best.benchmark == benchmark, ~Best.is_baseline)).all()
+    score, error, degrees = np.array([tuple(row) for row in rows], dtype=float).reshape(-1, 3).T
+    return Population(
+        low=score,
+        high=score,
+        standard_error=np.where(np.isnan(error), math.inf, error),  # None became nan
+        degrees=degrees,
+        people=np.ones(len(rows), dtype=np.int64),
+    )
+
+
+def _row(benchmark: str, key: Key, people: int) -> dict[str, str | int]:
+    columns = ("score_class", "error_class", "degrees")
+    return {"benchmark": benchmark, **dict(zip(columns, key, strict=True)), "people": people}
+
+
+def _is(benchmark: str, key: Key) -> ColumnElement[bool]:
+    number, error, degrees = key
+    return and_(
+        ScoreCount.benchmark == benchmark,
+        ScoreCount.score_class == number,
+        ScoreCount.error_class == error,
+        ScoreCount.degrees == degrees,
+    )

@@ -1,0 +1,1 @@
+"""Logs of missions that users upload, kept and shown beside runs."""

@@ -1,0 +1,1 @@
+"""Publishing runs: terms, citation, badge."""

@@ -1,0 +1,1 @@
+"""Runs that are computed again: recomputations by an admin, and verifications."""

@@ -1,0 +1,54 @@
+"""What the solution of a run is called."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from seamark.server.runs.record import connected
+from seamark.sim import registry
+
+
+class HasSolution(Protocol):
+    """What decides the name; a view and a row of the leaderboard have it."""
+
+    @property
+    def benchmark(self) -> str: ...  # noqa: D102 - the attribute of tables.Run
+    @property
+    def config(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def controller(self) -> str: ...  # noqa: D102
+    @property
+    def program_name(self) -> str | None: ...  # noqa: D102
+
+
+def built_in_tracker(run: HasSolution) -> str:
+    """Return the name of the built-in tracker of a run; empty if it is the program itself."""
+    benchmark = run.benchmark
+    if benchmark in registry.BENCHMARKS and registry.benchmark(benchmark).role == "tracker":
+        if run.controller not in registry.benchmark(benchmark).built_in:
+            return ""
+    return str(run.config.get("tracker", ""))
+
+
+class HasEntryName(HasSolution, Protocol):
+    """What decides the name of an entry; a view and a row of the leaderboard have it."""
+
+    @property
+    def method(self) -> str: ...  # noqa: D102
+    @property
+    def title(self) -> str: ...  # noqa: D102
+
+
+def entry_name(run: HasEntryName) -> str:
+    """Return what a published run is called: its method, else its title, else its solution."""
+    return run.method or run.title or solution(run)
+
+
+def solution(run: HasSolution) -> str:
+    """Return the name of the program, or the label of the built-in solution."""
+    if run.program_name:
+        return run.program_name
+    if run.controller == connected.ROSBRIDGE:
+        return connected.LABEL
+    if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
+        return run.controller
+    return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)

@@ -1,0 +1,1 @@
+"""Runs as pages and the API show them: views, lists, comparisons, pictures."""

@@ -1,0 +1,172 @@
+"""Images of the vehicle's camera, re-rendered from the telemetry: no video is stored.
+
+The only part of the server that loads the simulator's camera (OpenCV, compiled code), lazily: with
+the first image or in `warm_up`.
+"""
+
+import json
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+import structlog
+from numpy.typing import NDArray
+
+from seamark.formats.jpeg import jpeg
+from seamark.server.runs.data import stored_files
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.record.seeds import TrialSeeds, trial_seeds
+from seamark.server.runs.showing.views import RunView
+from seamark.server.settings import Settings
+from seamark.sim import registry
+from seamark.sim.numerics.numba_internals import numba_folder
+from seamark.sim.numerics.shared_parts import run_parts
+from seamark.sim.recording.telemetry import INDEX, WIDTH
+
+if TYPE_CHECKING:
+    from seamark.sim.camera.camera import Camera
+    from seamark.sim.engine.replay import Replay
+
+IMAGES_KEPT = 64  # of 60 KB
+GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
+_CROSS_PX = 9  # half of the centre cross
+_SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
+_CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
+# A camera has one set of buffers, so images are rendered one at a time; each takes milliseconds.
+_lock = threading.Lock()
+_warm = threading.Event()
+_log = structlog.get_logger()
+Image = NDArray[np.uint8]
+Row = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What is drawn onto an image; with nothing it is the bare image."""
+
+    tracked: bool = True  # the outline that the tracker reported, green
+    truth: bool = True  # the true outline, thin and amber
+
+
+DRAWN = Drawn()
+
+
+def render(
+    settings: Settings,
+    run: RunView,
+    *,
+    trial: int,
+    t: float,
+    drawn: Drawn = DRAWN,
+    files: RunFiles | None = None,
+) -> bytes | None:
+    """Return the JPEG of the last image before simulated time `t` [s]; None without telemetry.
+
+    The image centre is a cross, if anything is drawn.
+
+    Parameters
+    ----------
+    files
+        Those of a run that is not stored with the others.
+    """
+    row = _row_at(stored_files.of_run(settings, run) if files is None else files, trial, t)
+    if row is None:
+        return None
+    config = json.dumps(run.config, sort_keys=True)
+    with _lock:  # of many viewers who ask for the same image, all but the first find it
+        seeds = trial_seeds(run, settings)
+        return _rendered(run.benchmark, config, seeds, row.tobytes(), drawn)
+
+
+@lru_cache(maxsize=IMAGES_KEPT)
+def _rendered(
+    benchmark: str, config: str, seeds: TrialSeeds, row_bytes: bytes, drawn: Drawn
+) -> bytes:
+    """Return the JPEG of a row; all viewers of a live run ask for the same images."""
+    row: Row = np.frombuffer(row_bytes)
+    frame = _replay(benchmark, config, seeds).frame(row)
+    image, truth = frame.colour(), frame.corners()
+    return jpeg(_annotated(image, row, truth, drawn))
+
+
+@contextmanager
+def camera_of(settings: Settings, run: RunView, *, trial: int, level: int) -> "Iterator[Camera]":
+    """Give the camera of a level of a run, which nobody else uses meanwhile."""
+    config = json.dumps(run.config, sort_keys=True)
+    with _lock:
+        yield _replay(run.benchmark, config, trial_seeds(run, settings)).camera(trial, level)
+
+
+def warm_up() -> None:
+    """Render one image of each benchmark, so that everything is loaded and compiled.
+
+    What a worker on this machine is compiling is left until it is done.
+    """
+    parts = {name: partial(_render_one, name) for name in registry.BENCHMARKS}
+    run_parts(parts, numba_folder(os.environ))
+    _warm.set()
+    _log.info("camera_warm")
+
+
+def _render_one(benchmark: str) -> None:
+    from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
+
+    row, config = np.zeros(WIDTH), registry.benchmark(benchmark).read({})
+    with _lock:
+        frame = Replay(benchmark, config, lambda _trial: 0).frame(row)
+        jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))
+
+
+def is_warm() -> bool:
+    """Return whether `warm_up` has ended in this process: an image takes milliseconds now."""
+    return _warm.is_set()
+
+
+@lru_cache(maxsize=4)
+def _replay(benchmark: str, config: str, seeds: TrialSeeds) -> "Replay":
+    """Return the renderer of a run; the page of a run requests many images of it."""
+    from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
+
+    return Replay(benchmark, registry.benchmark(benchmark).restore(json.loads(config)), seeds)
+
+
+def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
+    """Return the last row of a trial up to time `t`, else its first; None without rows."""
+    after = files.rows_until(trial, t + 1e-6)
+    for at in (after - 1, after):  # before its first row: the first row
+        found = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
+        if len(found) and int(found[0, INDEX["trial"]]) == trial:
+            row: Row = found[0]
+            return row
+    return None
+
+
+def _annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
+    """Draw the image centre, the tracked outline and, thin on top, the true outline."""
+    if not (drawn.tracked or drawn.truth):
+        return image
+    import cv2  # noqa: PLC0415 - loads OpenCV
+
+    height, width = image.shape[:2]
+    middle = (width // 2, height // 2)
+    cv2.drawMarker(image, middle, WHITE, cv2.MARKER_CROSS, 2 * _CROSS_PX, 1, cv2.LINE_AA)
+    if drawn.tracked and row[INDEX["tracker_ok"]] == 1.0:
+        _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 3)
+    if drawn.truth:
+        _outline(image, truth, AMBER, 1)
+    return image
+
+
+def _outline(image: Image, corners: Row, colour: tuple[int, int, int], thickness: int) -> None:
+    import cv2  # noqa: PLC0415 - loads OpenCV
+
+    # A diverged tracker may report any coordinates; those of OpenCV are 32-bit integers.
+    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e5:
+        return
+    points = np.round(corners * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+    cv2.polylines(image, [points], True, colour, thickness, cv2.LINE_AA, _SUBPIXEL_BITS)

@@ -1,0 +1,71 @@
+"""Moments of a trial that a viewer jumps to: where levels begin, largest error, losses, touches."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.server.runs.data.downsampling import BLOCK_ROWS
+from seamark.server.runs.data.files import RunFiles
+from seamark.sim.recording.telemetry import INDEX, Rows
+
+Flags = NDArray[np.bool_]
+LOSSES_MAX = 200  # listed, the earliest ones
+
+
+@dataclass(slots=True)
+class _Found:
+    levels: list[dict[str, Any]] = field(default_factory=list)
+    losses: list[float] = field(default_factory=list)
+    touches: list[float] = field(default_factory=list)
+    error: float = -np.inf
+    error_t: float | None = None
+    level: float = np.nan  # of the row before
+    lost: bool = False  # in the row before
+    touched: bool = False  # in the level of the row before
+
+    def add(self, rows: Rows, column: int) -> None:
+        t, level = rows[:, INDEX["t"]], rows[:, INDEX["level"]]
+        begins = np.diff(level, prepend=self.level) != 0  # also of the first row: NaN
+        self.levels += [{"level": int(level[at]), "t": t[at]} for at in np.flatnonzero(begins)]
+        reported = rows[:, INDEX["tracker_ok"]]
+        lost = np.isfinite(reported) & (reported != 1.0)  # a log may be without a tracker
+        before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
+        room = LOSSES_MAX - len(self.losses)
+        self.losses += t[lost & ~before][:room].tolist()
+        self._add_touches(t, begins, rows[:, INDEX["contact_n"]] > 0.0)
+        error = np.nan_to_num(rows[:, column], nan=-np.inf)
+        at = int(error.argmax())
+        if error[at] > self.error:
+            self.error, self.error_t = float(error[at]), float(t[at])
+        self.level, self.lost = float(level[-1]), bool(lost[-1])
+
+    def _add_touches(self, t: Rows, begins: Flags, touching: Flags) -> None:
+        """Note the first touch of each level; level 0 here is the one that goes on."""
+        level = np.cumsum(begins)
+        touches = np.flatnonzero(touching)
+        touched, first = np.unique(level[touches], return_index=True)
+        is_new = (touched > 0) | (not self.touched)
+        self.touches += t[touches[first[is_new]]].tolist()
+        goes_on = self.touched and not begins.any()
+        self.touched = goes_on or bool((touched == level[-1]).any())
+
+
+def moments(files: RunFiles, trial: int, error: str) -> dict[str, Any]:
+    """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts.
+
+    A loss is where the tracker begins to report that it has no target, in each level anew; a touch
+    where the hull first meets the bottom or the target in a level.
+    """
+    found = _Found()
+    first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
+    for start in range(first, after, BLOCK_ROWS):
+        found.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
+    largest = {"column": error, "t": found.error_t, "value": found.error}
+    return {
+        "levels": found.levels,
+        "largest_error": largest if found.error_t is not None else None,
+        "losses": found.losses,
+        "touches": found.touches,
+    }

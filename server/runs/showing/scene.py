@@ -1,0 +1,131 @@
+"""What stands in the water of a run: vehicle, target, seabed and turbidity of a level.
+
+The same objects as the vehicle's camera shows, for a view from outside. Lengths in m, world frame
+north, east, down; body frame forward, starboard, down.
+"""
+
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.formats.jpeg import jpeg
+from seamark.server.runs.showing import camera_view
+from seamark.server.runs.showing.views import RunView
+from seamark.server.settings import Settings
+from seamark.sim import registry
+from seamark.sim.vehicles import Vehicle, load
+
+TEXTURE_PX = 512  # side of the seabed's picture; a texel of it is 1 cm
+Part = Literal["seabed", "target"]
+Surface = NDArray[np.uint8]
+
+
+def has_level(run: RunView, trial: int, level: int) -> bool:
+    """Return whether the run has this trial and level."""
+    levels = registry.benchmark(run.benchmark).restore(run.config).level_values()
+    return trial < run.trials and level < len(levels)
+
+
+def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dict[str, Any]:
+    """Return vehicle (null if the camera moves alone), target, camera and water of a level."""
+    config: Any = registry.benchmark(run.benchmark).restore(run.config)
+    with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
+        target, optics, water = camera.target, camera.optics, camera.water
+        effects, ground = camera.effects, camera.ground
+    from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
+
+    name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
+    return {
+        "vehicle": None if name is None else vehicle_shape(load(name)),
+        "target": {
+            "centre": target.origin().tolist(),
+            "size": target.size_m,
+            "heading": target.heading_rad,
+        },
+        "seabed": {"depth": target.seabed_m, "ground": ground, "tile": _tile_m()},
+        "camera": {
+            "mount": optics.mount_m,
+            "focal": optics.focal_px,
+            "width": optics.width,
+            "height": optics.height,
+        },
+        "water": {"law": water.law, "attenuation": water.attenuation, "veil": water.veil},
+        "light": {
+            "level": effects.light_level,
+            "lamp": effects.lamp,
+            "cone": effects.lamp_cone_rad,
+            "forward": LAMP_FORWARD_M,
+        },
+    }
+
+
+def vehicle_shape(vehicle: Vehicle) -> dict[str, Any]:
+    """Return hull, thrusters and looks of a vehicle as JSON."""
+    return {
+        "name": vehicle.name,
+        "title": vehicle.title,
+        "hull": [
+            {"name": box.name, "centre": box.centre.value, "size": box.size.value}
+            for box in vehicle.hull
+        ],
+        "thrusters": [
+            {"name": one.name, "position": one.position.value, "direction": one.direction}
+            for one in vehicle.thrusters
+        ],
+        "thrust_max": max(vehicle.curve.limits.value),
+        "solids": [
+            {
+                "shape": one.shape,
+                "size": one.size,
+                "centre": one.centre,
+                "colour": one.paint.colour,
+                "livery": one.paint.livery,
+            }
+            for one in vehicle.drawn()
+        ],
+        "nozzle_radius": vehicle.nozzle_radius_m,
+    }
+
+
+def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:
+    """Return the seabed's tile, columns to the north and rows to the east, or the target's top."""
+    with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
+        if part == "target":
+            return jpeg(_top_of(camera.target))
+        ground = camera.ground
+    return _seabed(ground)
+
+
+def _tile_m() -> float:
+    from seamark.sim.camera.seabed import TEXEL_M, TILE  # noqa: PLC0415 - loads compiled code
+
+    return TILE * TEXEL_M
+
+
+@lru_cache(maxsize=8)
+def _seabed(ground: str) -> bytes:
+    import cv2  # noqa: PLC0415 - loads OpenCV
+
+    from seamark.sim.camera import pictures, seabed  # noqa: PLC0415 - loads OpenCV
+    from seamark.sim.camera.camera import SAND  # noqa: PLC0415 - loads OpenCV
+
+    if ground == SAND:
+        planes = [seabed.texels(seabed.SEABED_SEED, channel) for channel in (2, 1, 0)]
+    else:
+        planes = [pictures.tile(ground)] * 3
+    small = cv2.resize(np.dstack(planes), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_AREA)
+    return jpeg(small.astype(np.uint8))
+
+
+def _top_of(target: Any) -> Surface:
+    from seamark.sim.camera.target import box_texture  # noqa: PLC0415 - loads OpenCV
+
+    planes = []
+    for channel in (2, 1, 0):
+        found = box_texture(target, channel)
+        _, columns, rows = found.layout[0]
+        packed = found.texels[: rows * columns].view(np.uint32)
+        planes.append((packed & 0xFF).astype(np.uint8).reshape(rows, columns))
+    return np.dstack(planes)

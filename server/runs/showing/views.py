@@ -1,0 +1,126 @@
+"""Runs as pages and the API show them: values, not rows, and no seed but a chosen one."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import Select, select
+from sqlalchemy.orm import Session, defer, undefer
+
+from seamark.sandbox.printable_text import printable_text
+from seamark.server.classes import classrooms
+from seamark.server.database.tables import IS_LISTED, Result, Run, User
+from seamark.server.runs.data.error_curve import Curve
+from seamark.server.runs.queue import wait_estimate
+from seamark.server.runs.record import anonymity
+from seamark.server.runs.record.columns import PublicRun
+from seamark.server.runs.record.states import RunState
+from seamark.server.settings import Settings
+
+_OF_PROGRAM = frozenset(("traceback", "log_tail"))
+
+
+class RunView(PublicRun):
+    """A run as pages and the API read it. Lists have neither metrics nor manifest."""
+
+    user_id: int | None
+    guest: str | None
+    program_sha256: str | None
+    sweep_cell: int | None = None
+    detail: dict[str, Any]  # title, sentence, remedy, traceback, log_tail, t_reached; when failed
+    score: float | None = None
+    score_low: float | None = None
+    score_high: float | None = None
+    level_held: float | None = None
+    rankable: bool | None = None  # False: the rules of the benchmark keep it off the leaderboard
+    error_curve: Curve | None = None
+    digest: str | None = None
+    manifest: dict[str, Any] | None = None
+    data_run: int | None = None
+    draw: int | None = None  # none that is shown has one
+    hidden_name: str = ""  # of the program of an anonymous run; its log and errors quote it
+    teacher_id: int | None = None  # of the class it was submitted for; not in lists
+
+    @property
+    def data_id(self) -> int:
+        """The number of the run that recorded its data: another one if it was computed again."""
+        return self.data_run or self.id
+
+    @property
+    def version(self) -> str:
+        """A text that changes whenever the view does: for an ETag."""
+        progress = (self.state, self.attempt, round(self.progress, 3), self.position)
+        result = (self.data_run, self.score, self.cause)  # it may be computed again
+        shown = (self.public, self.anonymous, self.licence, self.title, self.notes)
+        parts = (*progress, *result, *shown, self.data_deleted_at)
+        return "-".join(str(part) for part in parts)
+
+
+def show(session: Session, run_id: int, settings: Settings | None = None) -> RunView | None:
+    """Return one run, or None. With settings also its position in the queue."""
+    whole = selection().options(undefer(Run.program_parameters))
+    found = whole.where(Run.id == run_id, Run.deleted_at.is_(None), IS_LISTED)
+    rows = session.execute(found).one_or_none()
+    if rows is None:
+        return None
+    run, result, user = rows
+    teacher_id = classrooms.teacher_of(session, run_id)
+    if settings is None or RunState(run.state).final:
+        return view(run, result, user, teacher_id=teacher_id)
+    wait = wait_estimate.wait_of(session, run, settings)
+    waiting = {"position": wait.position, "estimate_s": wait.estimate_s, "why_waiting": wait.why}
+    return view(run, result, user, teacher_id=teacher_id, **waiting)
+
+
+def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
+    """Return those runs of these that are there, in this order, as lists show them."""
+    # A list shows neither: parsing the metrics of large grids would take most of its time.
+    query = selection().options(defer(Result.metrics), defer(Result.manifest))
+    query = query.where(Run.id.in_(run_ids), Run.deleted_at.is_(None), IS_LISTED)
+    found = {row[0].id: view(*row) for row in session.execute(query)} if run_ids else {}
+    return [found[run_id] for run_id in run_ids if run_id in found]
+
+
+def of_sweep(session: Session, sweep_id: int) -> list[RunView]:
+    """Return the runs of a sweep, cell by cell, without metrics."""
+    query = selection().where(Run.sweep_id == sweep_id, Run.deleted_at.is_(None))
+    query = query.options(defer(Result.metrics), defer(Result.manifest)).order_by(Run.sweep_cell)
+    return [view(*row) for row in session.execute(query)]
+
+
+def selection() -> Select[Run, Result | None, User | None]:
+    """Select what `view` needs of runs."""
+    return (
+        select(Run, Result, User)
+        .outerjoin(Result, Result.run_id == Run.id)
+        .outerjoin(User, User.id == Run.user_id)
+    )
+
+
+def view(run: Run, result: Result | None, user: User | None, /, **more: object) -> RunView:
+    """Return the values of a run from its rows."""
+    name, is_baseline = ("guest", False) if user is None else (user.name, user.is_baseline)
+    shown = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **more)
+    # Printable when it was stored by this version; not by an earlier one.
+    detail = {name: _shown(value) for name, value in shown.detail.items()}
+    if run.public and not run.program_public:  # they quote the program and what it prints
+        detail = {name: value for name, value in detail.items() if name not in _OF_PROGRAM}
+    return shown.model_copy(update={"detail": detail} | _masked(run, detail))
+
+
+def _masked(run: Run, detail: Mapping[str, object]) -> dict[str, object]:
+    """Return what stands in place of values that tell who published a run for review."""
+    if not run.anonymous:
+        return {}
+    links = {"rerun_of": None, "sweep_id": None}
+    name = anonymity.file_name(run.program_name)
+    quoted = (run.program_name or "", name or "")
+    return links | {
+        "user": anonymity.NAME,
+        "program_name": name,
+        "hidden_name": run.program_name or "",
+        "detail": {key: anonymity.replaced(value, *quoted) for key, value in detail.items()},
+    }
+
+
+def _shown(value: object) -> object:
+    return printable_text(value) if isinstance(value, str) else value

@@ -1,0 +1,1 @@
+"""Submitting runs: rules, quotas, sweeps, baselines."""

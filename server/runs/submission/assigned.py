@@ -1,0 +1,79 @@
+"""Runs for an assignment: what the assignment fixes, and what the pupil may choose."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from sqlalchemy.orm import Session
+
+from seamark.programs.setting_values import label_of, text_of
+from seamark.server.classes import assignments
+from seamark.server.classes.assignments import AssignmentView
+from seamark.server.classes.refusals import ClassRefused
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission.submission import Submission, SubmissionRejected
+from seamark.sim import registry
+
+
+def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Submission:
+    """Return a submission with the kind, the settings, the seed and the trials of an assignment.
+
+    The pupil chooses the program and the settings of a built-in solution.
+
+    Raises
+    ------
+    SubmissionRejected
+        The sender may not submit for it now, or sent something else than it asks for.
+    ConfigurationInvalid
+        A setting of the scenario has an invalid value.
+    """
+    try:
+        found = assignments.open_for(session, assignment_id, sent.viewer.user_id)
+    except ClassRefused as refusal:
+        raise SubmissionRejected(str(refusal), field=refusal.field) from None
+    if sent.benchmark != found.benchmark:
+        raise SubmissionRejected(
+            f"This assignment asks for runs of {found.benchmark}, not of {sent.benchmark}.",
+            field="benchmark",
+        )
+    if found.is_ranked:
+        return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None, trials=None)
+    if found.seed is not None and sent.seed not in (None, found.seed):
+        raise SubmissionRejected(
+            f"This assignment fixes the seed to {found.seed}. Leave the seed out.", field="seed"
+        )
+    return replace(
+        sent,
+        assignment=found.id,
+        kind=RunKind.PRACTICE,
+        seed=sent.seed if found.seed is None else found.seed,
+        trials=found.trials,
+        config=_config(found, sent.config),
+    )
+
+
+def fixed_changes(found: AssignmentView) -> list[tuple[str, str, str]]:
+    """Return title, unit and value of the fixed settings that differ from the defaults."""
+    properties = registry.benchmark(found.benchmark).schema()["properties"]
+    return [
+        (
+            properties[name]["title"],
+            properties[name].get("x-unit", ""),
+            label_of(properties[name], value),
+        )
+        for name, value in found.fixed().items()
+        if value != properties[name].get("default")
+    ]
+
+
+def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
+    """Return the settings of a run; raises SubmissionRejected if one is not the assignment's."""
+    benchmark, fixed = registry.benchmark(found.benchmark), found.fixed()
+    sent = {name: value for name, value in chosen.items() if name in fixed}
+    config = benchmark.read({**found.config, **sent}).model_dump(mode="json")
+    for name, value in fixed.items():
+        if config[name] != value:
+            title = benchmark.configuration.model_fields[name].title or name
+            raise SubmissionRejected(
+                f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name
+            )
+    return {**found.config, **chosen, **fixed}  # with the parameters of the pupil's program

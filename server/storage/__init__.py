@@ -1,0 +1,1 @@
+"""Where the service keeps files: data folder, object storage, who may read them."""

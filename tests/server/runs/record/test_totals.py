@@ -1,0 +1,61 @@
+"""Counts of runs that cost the same however many there are."""
+
+import time
+
+import pytest
+from sqlalchemy import update
+
+from seamark.server.database import counters
+from seamark.server.database.tables import Run
+from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.record import totals
+from tests.cast import Backend
+
+
+def _sweep(both: Backend) -> None:
+    with both.database.writing() as session:
+        run_queue.tidy(session)
+
+
+def _age(both: Backend, run_id: int, ended_s_ago: float) -> None:
+    with both.database.writing() as session:
+        ended = {"finished_at": time.time() - ended_s_ago}
+        session.execute(update(Run).where(Run.id == run_id).values(**ended))
+
+
+def _totals(both: Backend) -> tuple[dict[str, int], float]:
+    with both.database.reading() as session:
+        counts, simulated_s = totals.counts_and_simulated_s(session)
+        assert totals.counts(session) == counts
+        return {str(state): number for state, number in counts.items() if number}, simulated_s
+
+
+def test_every_run_is_counted_once_before_and_after_maintenance(both: Backend) -> None:
+    with both.database.writing() as session:
+        counters.store(session, totals.UNTIL, 0.0)  # the database is an old one
+    _age(both, both.succeeded("ann"), 1000.0)
+    _sweep(both)
+    both.failed({})
+    both.succeeded("ben")
+    both.cancel(both.queue("ann"))
+    both.running("eva")
+    both.queue("ann")
+    expected = {"succeeded": 2, "failed": 1, "cancelled": 1, "running": 1, "queued": 1}
+
+    before = _totals(both)
+    _sweep(both)
+    _sweep(both)
+
+    assert _totals(both) == before
+    assert before[0] == expected
+    assert before[1] == pytest.approx(3 * 1800.0)
+
+
+def test_the_oldest_queued_run_is_found(both: Backend) -> None:
+    with both.database.reading() as session:
+        assert totals.oldest_queued_at(session) is None
+    first = both.queue("ann")
+    both.queue("ben")
+
+    with both.database.reading() as session:
+        assert totals.oldest_queued_at(session) == both.show(first).queued_at
