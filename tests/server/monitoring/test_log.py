@@ -13,7 +13,7 @@ FULL = Path("/dev/full")  # every write fails as on a full disk
 LOGS = """
 import logging
 import structlog
-from seamark.server import log
+from seamark.server.monitoring import log
 
 log.configure("info", "auto")
 for number in range(2000):
@@ -24,7 +24,7 @@ print("went on")
 HOSTILE = "x\n2026-01-01 [info] run_ended run=1\x1b[2J\x1b]0;title\x07\u2028\u202e\x9b\x00"
 WRITES = """
 import logging, sys, structlog
-from seamark.server import log
+from seamark.server.monitoring import log
 
 log.configure("info", sys.argv[1])
 hostile = sys.argv[2].encode().decode("unicode_escape")

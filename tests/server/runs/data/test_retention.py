@@ -27,7 +27,7 @@ DAY_S = 86_400.0
 DELETING = """
 import sys
 from seamark.server.database.engine import Database
-from seamark.server.runs import retention
+from seamark.server.runs.data import retention
 from seamark.server.settings import Settings
 database = Database(sys.argv[1])
 settings = Settings.model_validate({"data": sys.argv[2]})
