@@ -1,6 +1,7 @@
 """Draw every page, in both themes and on a phone.
 
-Writes docs/screenshots/PAGE-{light,dark,phone}.webp in Chromium, of a service with its own runs.
+Writes screenshots/PAGE-{light,dark,phone}.webp in Chromium, of a service with its own runs. Git
+ignores them, except two that the README shows, which are copied to docs/figures.
 """
 
 import re
@@ -9,12 +10,13 @@ from collections.abc import Sequence
 
 from playwright.sync_api import Browser, sync_playwright
 
-from performance import DOCS
+from performance import FIGURES, ROOT
 from performance.figures.player import picture
 from performance.figures.showcase import Showcase, showcase
 from performance.service.web.player import SOFTWARE
 
-FOLDER = DOCS / "screenshots"
+FOLDER = ROOT / "screenshots"
+KEPT = {"sweeps-1-light": "sweep", "leaderboards-currents-v1-dark": "leaderboard"}
 LOOKS = {
     "light": {"color_scheme": "light", "viewport": {"width": 1280, "height": 900}},
     "dark": {"color_scheme": "dark", "viewport": {"width": 1280, "height": 900}},
@@ -34,6 +36,8 @@ def main(_arguments: Sequence[str]) -> int:
         for look in LOOKS:
             _draw(browser, service, look)
         browser.close()
+    for name, figure in KEPT.items():
+        shutil.copy(FOLDER / f"{name}.webp", FIGURES / f"{figure}.webp")
     return 0
 
 

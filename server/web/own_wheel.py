@@ -22,8 +22,8 @@ from seamark import server
 PACKAGE = Path(server.__file__).parents[
     1
 ]  # the folder `seamark`: links to the others in a checkout
-# As in pyproject.toml: made on this machine, or large and read by nothing.
-LEFT_OUT = ("__pycache__", "screenshots")
+# As in pyproject.toml: made on this machine.
+LEFT_OUT = ("__pycache__",)
 MADE_HERE = "visp-bridge-"
 # As in deploy/client/pyproject.toml: files and folders of the client, the others are the simulator.
 CLIENT = (
