@@ -25,13 +25,13 @@ LANGUAGES[FORMULAS.name] = FORMULAS
 
 from flask import Flask
 
+from seamark.programs import preparation
 from seamark.sandbox.languages import starters
-from seamark.server import workers
 from seamark.server.app import create_app
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Worker
-from seamark.server.programs import preparation
+from seamark.server.messaging import workers
 from seamark.server.settings import Settings
 from seamark.server.web import authentication
 from tests.cast import Backend
