@@ -26,40 +26,39 @@ _INTRODUCTION = """# Trackers compared with ViSP and OpenCV
 Written by `./run performance trackers --page` on {cpu}.
 
 All trackers process the same images in the same run, on one thread, in turns of some images each
-(CSRT, KCF and ViSP's MI, a hundred to a thousand times slower, after the others). Times are medians
-over the images of the CPU time, taking the fastest of {rounds} rounds for each image; ViSP's is
-that of its own `track()`, without the pipe to its process. "Speed-up" is relative to ViSP's fastest
-homography that kept the target, whether with prediction or without; empty if none did.
+(CSRT, KCF and ViSP's MI, a hundred to a thousand times slower, run after the others). Times are the
+median CPU time over the images, with the fastest of {rounds} rounds for each image.
+ViSP's time is that of its own `track()`, without the pipe to its process. "Speed-up" is relative to
+ViSP's fastest homography that kept the target, with or without prediction; empty if none did.
 
 "Predicts" says whether a tracker starts where the target would be at constant velocity. Ours and
-ECC do so unless it is switched off; ViSP does not by itself, so it is compared without, and with
-our prediction set as its start (`setp()`). Each line of ViSP is the faster of its set-ups with one
-and with two pyramid levels among those that kept the target; if none did, the one that kept it
-longest (its MI has one level). "First versions" are the options of currents-v1 and visibility-v1,
-all other lines of ours those of currents-v2 and visibility-v2.
+ECC do so unless you turn it off. ViSP does not, so we compare it without prediction, and with our
+prediction set as its start (`setp()`). For each line of ViSP we tried one and two pyramid levels
+and show the faster set-up that kept the target; if none did, the one that kept it longest (its MI
+has one level). "First versions" are the options of currents-v1 and visibility-v1; all our other
+lines use those of currents-v2 and visibility-v2.
 
 ViSP's templates leave out 3 px at the rim of the target, as ours do. ViSP runs with sampling 2 (MI
 with homography: 1, otherwise it loses the target), its pyramid goes down to full resolution, and
 its ESM has `setGain(2)`.
 
 Errors are root mean squares over the four corners, over the images before the first with more than
-10 px, where a tracker counts as lost. On the plain target, which has nothing but its edges, all
-trackers are initialised 6 px beyond it. Times depend on the machine and its load: compare them only
-within one table.
+10 px; there, a tracker counts as lost. The plain target has only its edges, so all trackers start
+6 px beyond it. Times depend on the machine and its load: compare them only within one table.
 
 """
 _BASIN = f"""### Convergence on photographs
 
-Share of the targets of {TARGET_PX[0]}x{TARGET_PX[1]} px that are found within {WITHIN_PX:g} px in
-one image, after each of their corners moved by Gaussian noise of standard deviation σ along both
-axes; {EACH} displacements of each of {len(PHOTOGRAPHS)} photographs.
+Share of the targets of {TARGET_PX[0]}x{TARGET_PX[1]} px that a tracker finds to within
+{WITHIN_PX:g} px in one image, after each corner moved by Gaussian noise of standard deviation σ
+along both axes; {EACH} displacements for each of {len(PHOTOGRAPHS)} photographs.
 
 """
 _TURNING = """### Error of a turning target
 
-Targets that turn by 60° in steps of 5°: photographs, and the benchmarks' box below a turning
-vehicle at 1.27 to 3 m, 320x240 and 640x480. The median error over the sequences, and the geometric
-mean of its ratio to ECC's.
+The targets turn by 60° in steps of 5°: photographs, and the benchmarks' box below a turning vehicle
+at 1.27 to 3 m, 320x240 and 640x480. The table shows the median error over the sequences, and the
+geometric mean of its ratio to ECC's.
 
 """
 _HEAD = (

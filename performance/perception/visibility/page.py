@@ -27,14 +27,14 @@ DRAWN = (
 )
 _PAGE = """# Trackers in turbid water
 
-Written by `./run performance visibility`, which computes all numbers; give it names of groups
-to measure only these. The benchmark is visibility-v1 as in a ranked run (vehicle moving on a
+`./run performance visibility` computes all numbers and writes this page; give it names of groups to
+measure only these. The benchmark is visibility-v1 as in a ranked run (the vehicle moves on a
 prescribed path, 320x240, optical depth 0 to 7 in steps of 0.25, 5 s each) on ten seeds. τ50 is the
 optical depth of the first level with fewer than half of the images within 5 px, with a 95 %
-interval over the seeds (Student's t). The other columns are over all levels: p@5 and p@1 are the
-shares of images within 5 px and 1 px, the error is the mean corner error of the images within
-5 px, and "undetected" is the share of images in which the tracker is more than 10 px off but
-reports the target as found.
+interval over the seeds (Student's t). The other columns cover all levels: p@5 and p@1 are the
+shares of images within 5 px and 1 px, the error is the mean corner error of the images within 5 px,
+and "undetected" is the share of images in which the tracker is more than 10 px off but reports
+the target as found.
 
 ![p@5 over the optical depth](figures/visibility.png)
 
@@ -47,7 +47,7 @@ reports the target as found.
 ## ViSP
 
 ViSP has ten of the twelve combinations of three criteria and four methods: its headers have no
-ZNCC with ESM or with the forward compositional method. All are set up as in
+ZNCC with ESM or with the forward compositional method. All use the same set-up as in
 [the table](trackers-table.md). They take 5 to 200 ms per image, so their levels last
 {visp_level_s:g} s; seeds and steps are the same.
 
@@ -55,9 +55,9 @@ ZNCC with ESM or with the forward compositional method. All are set up as in
 
 ## Fewer degrees of freedom
 
-On the benchmark's path the vehicle turns, tilts and rises. A translation cannot follow this, so
-its errors come from the motion and not from the water. With `path_turn_rad=0` and
-`path_heave_share=0` the vehicle keeps its height and heading, which every warp can follow, so only
+On the benchmark's path, the vehicle turns, tilts and rises. A translation cannot follow this, so
+its errors come from the motion, not from the water. With `path_turn_rad=0` and
+`path_heave_share=0`, the vehicle keeps its height and heading. Every warp can follow that, so only
 the number of parameters makes a difference. τ50 on both paths:
 
 {freedom}
@@ -66,8 +66,8 @@ the number of parameters makes a difference. τ50 on both paths:
 
 ## Targets
 
-τ50 by target, with homography. The plain box has nothing but its edges, and by default a template
-leaves out the outermost 3 px; with `template_margin_px=6` it includes them.
+τ50 by target, with homography. The plain box has only its edges, and by default a template leaves
+out the outermost 3 px; with `template_margin_px=6` it includes them.
 
 {targets}
 {missing}
@@ -142,8 +142,9 @@ def _comparison(ours: Mapping[str, Measured]) -> Iterable[str]:
         "letters disappear."
     )
     yield (
-        "- An axis-aligned box (`box`, `kcf`, `csrt`) cannot follow the rotation on this path, nor "
-        "can a translation; their answers are coarse, as p@1 shows."
+        "- An axis-aligned box (`box`, `kcf`, `csrt`) or a translation cannot follow the rotation "
+        "on "
+        "this path. Their answers are coarse, as p@1 shows."
     )
 
 

@@ -154,14 +154,15 @@ def section(_names: list[str], figures: Path) -> str:
             f"mm. Scaled by the width, the measured {force:g} N would be {wider:.0f} N and ours "
             f"still {100.0 * (surge / wider - 1.0):.0f} % larger. Our coefficients are those that "
             "von Benzon et al. 2022 publish.",
-            "Published identifications of the BlueROV2 differ among each other by more than the "
-            "factor of two between ours and the tank. Our drag at 0.5 m/s as a multiple of theirs:",
+            "Published identifications of the BlueROV2 differ from each other by more than the "
+            "factor of two between ours and the tank. Our drag at 0.5 m/s as a multiple of "
+            "theirs:",
             markdown_table(("identification", *AXES), rows),
             "![Drag over speed](figures/bluerov2-drag.png)",
             "Consequence: in `currents-v2` the BlueROV2 Heavy is about as fast as the real one, "
-            "with more thrust against more drag; it reaches its speed sooner. Ranks "
-            "compare programs on the same vehicle; the metres per second of current held are not "
-            "a prediction for a real one.",
+            "with more thrust against more drag, and it reaches its speed sooner. Ranks compare "
+            "programs on the same vehicle; the current held, in metres per second, is not a "
+            "prediction for a real one.",
             f"Method: highest speed within {RUN_S:g} s at full command from rest, in still water, "
             "before the Munk moment turns the uncontrolled vehicle.",
         ]

@@ -37,21 +37,22 @@ class Part(NamedTuple):
 PARTS = (
     Part(
         "Validation",
-        "Measurements of real vehicles and real water that others published, beside the "
-        "simulator's prediction for the same set-up. Errors are ours relative to the measurement.",
+        "This part compares published measurements of real vehicles and real water with the "
+        "simulator's prediction for the same set-up. Errors are our value relative to the "
+        "measurement.",
         (summary, thrust_tests, drag_tests, water_tests),
     ),
     Part(
         "Verification",
         "Does the code solve its equations, and does it do what the original simulator did? "
-        "Closed forms, an independent implementation, convergence, determinism, and the published "
-        "experiment, which was a simulation too; and whether the benchmarks ask what they mean to "
-        "ask. Agreement here says nothing about real water.",
+        "This part checks closed forms, an independent implementation, convergence, determinism "
+        "and the published experiment, which was a simulation too, and whether the benchmarks "
+        "measure what they should. Agreement here says nothing about real water.",
         (analytic, convergence, independent, determinism, facts, girona, blind),
     ),
     Part(
         "Parameters",
-        "Every number of every vehicle with its source.",
+        "These are all numbers of all vehicles, with their sources.",
         (vehicles,),
     ),
 )
@@ -70,9 +71,9 @@ def introduction() -> str:
     return "\n\n".join(
         [
             "# Validation and verification",
-            "This page is written by `./run validation`, which computes every number of ours. "
-            "*Validation* asks whether the simulator agrees with the world, *verification* whether "
-            "the code does what its equations say.",
+            "`./run validation` computes all our numbers and writes this page. *Validation* asks "
+            "whether the simulator agrees with the world, and *verification* whether the code "
+            "does what its equations say.",
             f"Computed with simulator sources `{code_sha256()[:16]}` (SHA-256 over `sim/`, as in "
             f"the manifest of a run), {used}.",
         ]

@@ -16,11 +16,11 @@ MISSING = (
     "**Responses in time.** Free decay in heave and yaw was measured on other open-frame vehicles "
     "(Chin, Lin and Lin 2018, <https://doi.org/10.1007/s00773-017-0469-3>), and data of a "
     "restrained BlueROV2 in waves and current exist (Gabl et al. 2020, "
-    "<https://doi.org/10.3390/data5030057>); we did not find their numbers in a form that can be "
-    "compared. Added mass and the thrusters' lag are therefore not validated for any vehicle.",
+    "<https://doi.org/10.3390/data5030057>); we did not find their numbers in a comparable form. "
+    "So added mass and the thrusters' lag are not validated for any vehicle.",
     "**Trackers in real turbid water.** Data sets of features under turbidity exist (TURBID, "
-    "Codevilla et al. 2015); figures of template trackers over a measured optical depth were not "
-    "found. The contrast law itself is Duntley's, with attenuations measured by others "
+    "Codevilla et al. 2015); we found no figures of template trackers over a measured optical "
+    "depth. The contrast law itself is Duntley's, with attenuations measured by others "
     "([camera](camera.md)).",
     "**The published experiment** was itself a simulation. Agreement with it is verification, "
     "below.",
@@ -61,7 +61,7 @@ def section(_names: list[str], figures: Path) -> str:
         [
             f"{close} of {len(found)} quantities are within 20 % of the measurement.",
             "![Ours over measured, for every quantity](figures/validation.png)",
-            "What could not be compared:",
+            "We could not compare:",
             "\n".join(f"- {entry}" for entry in MISSING),
             "Sources of the measurements:",
             sources,

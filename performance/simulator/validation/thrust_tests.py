@@ -109,9 +109,9 @@ def section(_names: list[str], figures: Path) -> str:
             "parabola, the measured one is steeper at small commands. The velocity controller "
             "inverts our curve, so position controllers see little of the difference.",
             "The assembled vehicle pulls much less than the sum of its thrusters on the bench: "
-            f"our bollard pulls are {min(pulls):.0f} to {max(pulls):.0f} % too strong. Losses in "
-            "the frame, between the thrusters and of the battery's voltage are not modelled, nor "
-            "is the loss of thrust with the speed of the inflow.",
+            f"our bollard pulls are {min(pulls):.0f} to {max(pulls):.0f} % too strong. We do not "
+            "model losses in the frame, between the thrusters and in the battery's voltage, or "
+            "the loss of thrust with the speed of the inflow.",
             markdown_table(HEADER, [c.cells() for c in found]),
             "![Thrust of a T200 over the pulse width](figures/t200.png)",
             "Method: full commands to every thruster that pushes along the axis, steady thrust "

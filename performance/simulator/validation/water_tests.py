@@ -94,18 +94,20 @@ def section(_names: list[str], _figures: Path) -> str:
     found = comparisons()
     return "\n\n".join(
         [
-            "The water of both benchmarks is calmer than measured tidal currents, and water as "
-            "slow as theirs is more turbulent still. The DVL of `currents-v1` has no bias, that of "
-            "`currents-v2` several times what the maker of a small one gives as its long-term "
-            "accuracy, so the benchmark is harder than reality there. The default tracker loses "
+            "The water of both benchmarks is calmer than measured tidal currents, and real water "
+            "at these speeds is even more turbulent. The DVL of `currents-v1` has no bias. That "
+            "of `currents-v2` has several times the long-term accuracy that the manufacturer of a "
+            "small DVL states, so there the benchmark is harder than reality. The default tracker "
+            "loses "
             f"the box at an optical depth of {found[-1].ours:.1f}; a diver loses a large black "
             "target at 4.6 to 4.8.",
             markdown_table(HEADER, [c.cells() for c in found]),
-            "These are comparisons of magnitudes, since the set-ups differ. Turbulence intensity "
+            "These comparisons only show magnitudes, because the set-ups differ. Turbulence "
+            "intensity "
             "is the standard deviation of the speed over its mean; ours includes the waves of the "
             "speed and, in `currents-v2`, its lasting changes. The diver judges by eye whether a "
-            "target is there, the tracker has to place its corners within 5 px and has a target of "
-            "85 x 27 px to average over.",
+            "target is there. The tracker has to find its corners within 5 px, and has a target "
+            "of 85 x 27 px to average over.",
             f"Method: the current of every control step of {TRIALS} trials with the benchmarks' "
             "defaults, mean over levels and trials; p@5 of `visibility-v1`, mean over seeds "
             f"{', '.join(map(str, SEEDS))}, interpolated where it falls below {HALF_PERCENT:g} %.",
