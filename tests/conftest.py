@@ -136,6 +136,13 @@ def postgres_tables_url(_postgres: str, _postgres_tables: str) -> Iterator[str]:
 
 
 @pytest.fixture
+def other_postgres_url(_postgres: str) -> Iterator[str]:
+    """The URL of one more PostgreSQL database without tables."""
+    with postgres.database(_postgres, f"t{uuid.uuid4().hex}") as url:
+        yield url
+
+
+@pytest.fixture
 def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
     """Settings of a service with its own data folder, database and broker."""
     return Settings.model_validate(

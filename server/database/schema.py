@@ -31,6 +31,8 @@ from seamark.server.database.sweep_tables import Sweep
 from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
 
+# The last commit whose migrations begin before the schema 0031.
+LAST_TO_UPGRADE_ALL = "093b11f4"
 UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large database
 
 _FOLDER = Path(migrations.__file__).parent
@@ -45,8 +47,8 @@ class SchemaTooOld(Exception):
     """The database has an earlier schema. The text names the command to run."""
 
 
-class SchemaTooNew(PlatformFailed):
-    """The database is of a newer version of Seamark. The text says what to do."""
+class SchemaUnknown(PlatformFailed):
+    """A schema is of a newer version of Seamark, or too old to be upgraded. The text says more."""
 
 
 def upgrade(settings: Settings) -> None:
@@ -54,13 +56,13 @@ def upgrade(settings: Settings) -> None:
 
     Raises
     ------
-    DatabaseAway, SchemaTooNew
-        The database cannot be opened, or is of a newer version.
+    DatabaseAway, SchemaUnknown
+        The database cannot be opened, or has a schema that this version does not know.
     WrongDataFolder
         The database has another data folder.
     """
     with _locked(settings) as connection:
-        _refuse_newer(revision_of(connection))
+        _refuse_unknown(revision_of(connection))
         command.upgrade(config(connection), "head")
         data_folder.adopt(connection, settings)
 
@@ -72,11 +74,11 @@ def downgrade(settings: Settings, revision: str) -> None:
     ------
     CommandError
         There is no such revision.
-    DatabaseAway, SchemaTooNew
-        The database cannot be opened, or is of a newer version.
+    DatabaseAway, SchemaUnknown
+        The database cannot be opened, or has a schema that this version does not know.
     """
     with _locked(settings) as connection:
-        _refuse_newer(revision_of(connection))
+        _refuse_unknown(revision_of(connection))
         command.downgrade(config(connection), revision)
 
 
@@ -121,7 +123,7 @@ def check_all(settings: Settings, *, computes: bool = False) -> None:
     ------
     DatabaseAway
         The database cannot be opened.
-    SchemaTooOld, SchemaTooNew, WrongDataFolder
+    SchemaTooOld, SchemaUnknown, WrongDataFolder
         The database has another schema than this version, or is of another service.
     """
     database = Database(settings.database_url)
@@ -136,13 +138,13 @@ def check_all(settings: Settings, *, computes: bool = False) -> None:
 
 
 def check(engine: Engine) -> None:
-    """Raise SchemaTooOld or SchemaTooNew unless the database has the schema of this version.
+    """Raise SchemaTooOld or SchemaUnknown unless the database has the schema of this version.
 
     Raises DatabaseAway if it cannot be opened.
     """
     with connected(engine) as connection:
         current = revision_of(connection)
-    _refuse_newer(current)
+    _refuse_unknown(current)
     needed = newest_revision()
     if current != needed:
         raise SchemaTooOld(
@@ -151,11 +153,18 @@ def check(engine: Engine) -> None:
         )
 
 
-def _refuse_newer(revision: str | None) -> None:
+def _refuse_unknown(revision: str | None) -> None:
     if revision is None or knows(revision):
         return
+    if is_too_early(revision):
+        raise SchemaUnknown(
+            f"The database has the schema {revision}, of a version before the first release that "
+            f"this one cannot upgrade. Run `seamark db upgrade` with the commit "
+            f"{LAST_TO_UPGRADE_ALL} of Seamark, when the service is stopped and backed up, and "
+            "then this version again."
+        )
     newest = newest_revision()
-    raise SchemaTooNew(
+    raise SchemaUnknown(
         f"The database has the schema {revision}, of a newer version of Seamark; this is "
         f"{version('seamark')}, which knows schemas up to {newest}. Install the newer version, or "
         "go back with it, when the service is stopped and backed up: "
@@ -174,9 +183,15 @@ def newest_revision() -> str | None:
 
 
 def knows(revision: str) -> bool:
-    """Return whether a schema is that of this version or of an earlier one."""
+    """Return whether a schema is that of this version or of one that it upgrades."""
     scripts = ScriptDirectory.from_config(config()).walk_revisions()
     return any(script.revision == revision for script in scripts)
+
+
+def is_too_early(revision: str) -> bool:
+    """Return whether a schema is of a version that stored it before the first one known here."""
+    first = ScriptDirectory.from_config(config()).get_base()
+    return first is not None and revision < first
 
 
 def config(connection: Connection | None = None) -> Config:

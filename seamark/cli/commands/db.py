@@ -86,13 +86,13 @@ def grant_worker(role: str, data: Path | None, as_json: bool) -> None:
 @data_option
 @json_option
 def downgrade(revision: str, data: Path | None, as_json: bool) -> None:
-    """Return the tables to the schema REVISION (such as 0007), to go back to an earlier version.
+    """Return the tables to the schema REVISION (such as 0031), to go back to an earlier version.
 
     Stop the service first. What only the later schema stores is lost: back the database up.
 
     \b
     Example:
-      seamark db downgrade 0007
+      seamark db downgrade 0031
     """
     from alembic.util import CommandError
     from sqlalchemy.exc import SQLAlchemyError

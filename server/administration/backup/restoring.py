@@ -113,7 +113,13 @@ def _header(source: Path, text: bytes) -> Header:
 
 
 def _require_known(header: Header) -> None:
-    """Refuse a backup of a later version; the migrations bring one of an earlier version up."""
+    """Refuse a backup of a later version, and one that the migrations cannot bring up."""
+    if schema.is_too_early(header.schema_revision):
+        raise RestoreRefused(
+            f"The backup has the schema {header.schema_revision}, of a version before the first "
+            "release that this one cannot upgrade. Restore it with the commit "
+            f"{schema.LAST_TO_UPGRADE_ALL} of Seamark and back that service up"
+        )
     if header.format != layout.FORMAT or not schema.knows(header.schema_revision):
         raise RestoreRefused(
             f"The backup was made by Seamark {header.version} with schema "
@@ -217,7 +223,6 @@ def _clear(data: Path) -> None:
 
 def _unpack(connection: Connection, settings: Settings, source: Path, on_bytes: OnBytes) -> Summary:
     """Fill the tables and write the files; the sums have been compared before."""
-    tables.empty(connection)
     rows, summary, deleted = Counter[str](), None, dict[str, float]()
     for member, content in archive.members(source, on_bytes):
         table, place = layout.table_of(member), layout.place_of(member, settings.data)

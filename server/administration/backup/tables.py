@@ -41,12 +41,6 @@ def load(connection: Connection, name: str, chunk: bytes) -> int:
     return len(lines)
 
 
-def empty(connection: Connection) -> None:
-    """Delete what a migration has inserted into a new database."""
-    for name in reversed(_in_order(connection)):
-        connection.execute(table(name).delete())
-
-
 def count_on(connection: Connection) -> None:
     """Let the numbers of new rows follow those of the loaded ones; SQLite does that by itself."""
     if connection.dialect.name != "postgresql":

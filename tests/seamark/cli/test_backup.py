@@ -69,7 +69,7 @@ def test_a_backup_before_an_update_is_made_by_the_version_that_the_service_has(
     backend: Backend, backups: Path
 ) -> None:
     data = backend.settings.data
-    assert seamark("db", "downgrade", "0022", "--data", data).exit_code == 0
+    assert seamark("db", "downgrade", "0031", "--data", data).exit_code == 0
 
     answer = seamark("backup", backups, "--data", data)
 

@@ -17,7 +17,7 @@ from tests.services.ports import free_port
 
 COMMANDS = (
     *("web", "worker", "user list", "user add ann", "token new ann", "audit", "backup out.tar"),
-    *("db upgrade", "db downgrade 0005", "db rebuild-leaderboard", "db reference-entries"),
+    *("db upgrade", "db downgrade 0031", "db rebuild-leaderboard", "db reference-entries"),
 )
 
 
@@ -54,6 +54,19 @@ def test_a_database_of_a_newer_version_is_named_as_such(
 
     assert "has the schema 9999, of a newer version of Seamark; this is" in sentence
     assert "`seamark db downgrade" in sentence
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_database_that_is_too_early_to_be_upgraded_is_named_as_such(
+    database: Database, environment: Mapping[str, str], command: str
+) -> None:
+    with database.writing() as session:
+        session.execute(text("UPDATE alembic_version SET version_num = '0030'"))
+
+    sentence = _sentence(_invoke(command, environment))
+
+    assert "has the schema 0030, of a version before the first release" in sentence
+    assert "Run `seamark db upgrade` with the commit 093b11f4" in sentence
 
 
 @pytest.mark.usefixtures("newer")

@@ -129,7 +129,7 @@ def test_a_lost_seed_key_is_named_and_no_other_one_is_drawn(service: Settings) -
 
 
 def test_an_older_schema_is_named(service: Settings) -> None:
-    schema.downgrade(service, "0022")
+    schema.downgrade(service, "0031")
 
     assert "`seamark db upgrade`" in _bad(service)["database"]
 

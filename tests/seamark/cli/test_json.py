@@ -44,7 +44,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "restore": "b.tar --check",
     "db upgrade": "",
     "db rebuild-leaderboard": "",
-    "db downgrade": "0021",
+    "db downgrade": "0031",
 }
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(

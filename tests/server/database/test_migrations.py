@@ -4,20 +4,18 @@ import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import select, text, update
-from sqlalchemy.orm import Session
+from sqlalchemy import select, text
 
 from seamark.server.database.engine import Database
-from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
-from seamark.server.database.tables import Base, Run, User
+from seamark.server.database.tables import Base, User
 from seamark.server.messaging import workers
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.leaderboard.leaderboard import Rank
 from seamark.server.runs.record.solutions import entry_name
 from tests.cast import Backend
 
-WORKER_0003 = """
+WORKER_0031 = """
     INSERT INTO workers (name, slots, level, languages, findings, started_at, seen_at)
     VALUES ('old', 2, 'medium', '["python"]', '[]', 0.0, :seen_at)
 """
@@ -46,14 +44,14 @@ def test_an_upgrade_of_an_upgraded_database_changes_nothing(both: Backend) -> No
         assert session.scalar(select(User.name).where(User.name == "ann"))
 
 
-def test_a_database_of_the_previous_schema_keeps_runs_leaderboard_and_workers(
+def test_a_database_of_the_first_schema_keeps_runs_leaderboard_and_workers(
     both: Backend,
 ) -> None:
     run_id = both.published("ann", kind="ranked", title="Observer")
     before, board = both.show(run_id), _leaderboard(both)
     with both.database.engine.begin() as connection:
-        command.downgrade(config(connection), "0003")
-        connection.execute(text(WORKER_0003), {"seen_at": time.time()})
+        command.downgrade(config(connection), "0031")
+        connection.execute(text(WORKER_0031), {"seen_at": time.time()})
     with pytest.raises(SchemaTooOld):
         check(both.database.engine)
 
@@ -79,47 +77,6 @@ def test_what_was_published_before_methods_had_names_is_called_as_before(both: B
     names = [both.show(run_id).method for run_id in (titled, untitled, private)]
     assert names == ["Observer " + "x" * 51, "", ""]
     assert entry_name(both.show(untitled)) == "mine.py"
-
-
-def test_the_ranked_submissions_of_a_database_of_the_previous_schema_are_counted(
-    both: Backend,
-) -> None:
-    both.succeeded("ann", kind="ranked")
-    both.failed({}, "ann")
-    both.cancel(both.queue("ann", kind="ranked"))
-    both.published("ann", kind="ranked")
-    with both.database.engine.begin() as connection:
-        command.downgrade(config(connection), "0004")
-
-    upgrade(both.settings)
-
-    assert [rank.submissions for rank in _leaderboard(both)] == [2]
-
-
-def test_the_migration_counts_people_as_the_service_does(both: Backend) -> None:
-    for who, score in (("ann", 61.3), ("ben", 0.0), ("eva", 0.5)):
-        claim = both.running(who, kind="ranked")
-        spread = 10.0 / 3.7188 * 3**0.5  # of trials with the interval that was stored earlier
-        trials = [{"score": score + part * spread} for part in (-1, 0, 1)]
-        metrics = {"score": score, "score_low": score - 5, "score_high": score + 5}
-        both.finish(claim, metrics=metrics | {"trials": trials})
-        both.publish(claim.run_id)
-    with both.database.writing() as session:
-        session.execute(update(Run).values(trials=3))
-        before = _counts(session)
-    with both.database.engine.begin() as connection:
-        command.downgrade(config(connection), "0005")
-
-    upgrade(both.settings)
-
-    with both.database.reading() as session:
-        assert _counts(session) == before
-    assert len(before) == 3
-
-
-def _counts(session: Session) -> set[tuple[object, ...]]:
-    columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
-    return {tuple(row) for row in session.execute(select(*columns, ScoreCount.people))}
 
 
 def _leaderboard(both: Backend) -> list[Rank]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from alembic import command
+from sqlalchemy import text
 
 from seamark.server.administration.backup import creation, layout, restoring
 from seamark.server.administration.backup.archive import ArchiveRejected
@@ -126,7 +127,7 @@ def test_a_backup_of_an_earlier_schema_is_upgraded_when_it_is_restored(
 ) -> None:
     run_id = both.publish(_succeeded(both, "eva", kind="ranked"))
     with both.database.engine.begin() as connection:
-        command.downgrade(schema.config(connection), "0022")
+        command.downgrade(schema.config(connection), "0031")
 
     creation.make(both.database, both.settings, tmp_path / "old.tar", nothing)
     restoring.restore(empty_place, tmp_path / "old.tar", force=False, on_bytes=nothing)
@@ -290,6 +291,17 @@ def test_a_service_is_replaced_only_by_force_and_only_when_it_has_stopped(
     assert both.show(kept).state is RunState.SUCCEEDED
     assert both.queue("ann") == later
     assert RunFiles(both.settings.data, later).attempts() == []
+
+
+def test_a_backup_that_is_too_early_to_be_upgraded_is_refused(
+    backend: Backend, empty_place: Settings, tmp_path: Path
+) -> None:
+    with backend.database.writing() as session:
+        session.execute(text("UPDATE alembic_version SET version_num = '0030'"))
+    creation.make(backend.database, backend.settings, tmp_path / "b.tar", nothing)
+
+    with pytest.raises(RestoreRefused, match="Restore it with the commit 093b11f4"):
+        restoring.restore(empty_place, tmp_path / "b.tar", force=False, on_bytes=nothing)
 
 
 def test_a_backup_of_a_later_version_is_refused(
