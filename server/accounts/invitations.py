@@ -12,7 +12,7 @@ from seamark.server.database.tables import Invitation
 
 DAYS, DAYS_MAX = 14, 365  # until an invitation expires
 BATCH_MAX = 100  # made by one request
-OPEN_MAX = 1000  # of one account: as many pupils as a school may have
+OPEN_MAX = 1000  # of one account: as many students as a school may have
 _DAY_S = 86_400.0
 
 

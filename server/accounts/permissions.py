@@ -18,7 +18,7 @@ class Role(IntEnum):
     ANONYMOUS = 0
     GUEST = 1  # known by a cookie
     USER = 2
-    TEACHER = 3  # invites people to sign up, has classes and reads what pupils submit for them
+    TEACHER = 3  # invites people to sign up, has classes and reads what students submit for them
     ORGANISER = 4  # takes published runs off the leaderboards
     ADMIN = 5
 

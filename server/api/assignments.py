@@ -1,4 +1,4 @@
-"""Assignments: show, change, delete; what the pupils made of them."""
+"""Assignments: show, change, delete; what the students made of them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ api = APIBlueprint(
     __name__,
     url_prefix="/api/v1",
     operation_id_callback=operation_id,
-    abp_tags=[Tag(name="Classes", description="Classes, their pupils and assignments.")],
+    abp_tags=[Tag(name="Classes", description="Classes, their students and assignments.")],
 )
 
 
@@ -60,7 +60,7 @@ def change_assignment(path: AssignmentPath) -> dict[str, Any]:
 
 @api.delete("/assignments/<int:assignment_id>", responses={204: None})
 def delete_assignment(path: AssignmentPath) -> Response:
-    """Delete an assignment. The runs stay those of the pupils."""
+    """Delete an assignment. The runs stay those of the students."""
     class_access.taught_assignment(path.assignment_id)
     with services().database.writing() as database:
         assignments.remove(database, path.assignment_id)
@@ -69,9 +69,9 @@ def delete_assignment(path: AssignmentPath) -> Response:
 
 @api.get("/assignments/<int:assignment_id>/pupils", responses={200: ProgressResponse})
 def list_progress(path: AssignmentPath, query: ProgressQuery) -> Response:
-    """List the pupils of the class with the number of their runs and the best one.
+    """List the students of the class with the number of their runs and the best one.
 
-    As CSV it has all pupils, with the seed and the metrics of the best run.
+    As CSV it has all students, with the seed and the metrics of the best run.
     """
     found = class_access.taught_assignment(path.assignment_id)
     if query.format == "csv":

@@ -22,9 +22,9 @@ class ClassPath(BaseModel):
 
 
 class PupilPath(ClassPath):
-    """Path parameters of a pupil of a class."""
+    """Path parameters of a student of a class."""
 
-    user_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the pupil's account")
+    user_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the student's account")
 
 
 class AssignmentPath(BaseModel):
@@ -34,15 +34,15 @@ class AssignmentPath(BaseModel):
 
 
 class PupilsQuery(Query):
-    """Pagination of pupils, in the order of their names."""
+    """Pagination of students, in the order of their names."""
 
     after: str = Field("", max_length=USER_NAME_MAX, description="`next` of the previous page")
 
 
 class ProgressQuery(PupilsQuery):
-    """Pagination and format of what the pupils made of an assignment."""
+    """Pagination and format of what the students made of an assignment."""
 
-    format: Literal["json", "csv"] = Field("json", description="csv: all pupils, with metrics")
+    format: Literal["json", "csv"] = Field("json", description="csv: all students, with metrics")
 
 
 class ExportQuery(Query):
@@ -65,7 +65,7 @@ class ClassChange(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     name: Text | None = Field(None, min_length=1, max_length=NAME_MAX)
-    shows_ranking: bool | None = Field(None, description="Pupils see the ranking, without names")
+    shows_ranking: bool | None = Field(None, description="Students see the ranking, without names")
     archived: bool | None = Field(None, description="Nobody joins or submits any more")
     new_code: bool = Field(False, description="Replace the code; the old one stops working")
 
@@ -94,10 +94,10 @@ class AssignmentRequest(BaseModel):
     config: dict[str, Any] = Field(
         default_factory=dict,
         max_length=CONFIG_MAX,
-        description="Settings of the scenario, fixed for all pupils; omitted ones have defaults",
+        description="Settings of the scenario, fixed for all students; omitted ones have defaults",
     )
     seed: int | None = Field(
-        None, ge=0, le=SEED_MAX, description="Practice only; every pupil's own if omitted"
+        None, ge=0, le=SEED_MAX, description="Practice only; every student's own if omitted"
     )
     trials: int = Field(1, ge=1, le=100, description="Practice only")
     deadline: float | None = Field(None, gt=0, lt=1e11, description="Seconds since 1970 (UTC)")
@@ -114,7 +114,7 @@ class AssignmentChange(BaseModel):
 
 
 class ClassResponse(ResponseModel):
-    """A class; `code` and `join_url` are null for pupils."""
+    """A class; `code` and `join_url` are null for students."""
 
     id: int
     name: str
@@ -158,7 +158,7 @@ class AssignmentsResponse(ResponseModel):
 
 
 class PupilResponse(ResponseModel):
-    """A pupil of a class."""
+    """A student of a class."""
 
     user_id: int
     name: str
@@ -166,7 +166,7 @@ class PupilResponse(ResponseModel):
 
 
 class PupilsResponse(ResponseModel):
-    """A page of pupils, in the order of their names."""
+    """A page of students, in the order of their names."""
 
     pupils: list[PupilResponse]
     next: str | None
@@ -188,7 +188,7 @@ class AssignedRunResponse(ResponseModel):
 
 
 class ProgressResponse(ResponseModel):
-    """A page of pupils with the number of their runs and the best one."""
+    """A page of students with the number of their runs and the best one."""
 
     pupils: list[dict[str, Any]]
     next: str | None
@@ -201,6 +201,6 @@ class OwnRunsResponse(ResponseModel):
 
 
 class RankingResponse(ResponseModel):
-    """The best scores of the pupils, without names; `is_own` marks yours."""
+    """The best scores of the students, without names; `is_own` marks yours."""
 
     places: list[dict[str, Any]]

@@ -1,4 +1,4 @@
-"""Classes: make, join, leave, change, delete; their pupils and assignments."""
+"""Classes: make, join, leave, change, delete; their students and assignments."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ api = APIBlueprint(
     __name__,
     url_prefix="/api/v1",
     operation_id_callback=operation_id,
-    abp_tags=[Tag(name="Classes", description="Classes, their pupils and assignments.")],
+    abp_tags=[Tag(name="Classes", description="Classes, their students and assignments.")],
 )
 
 
@@ -57,7 +57,7 @@ def list_classes() -> dict[str, Any]:
 
 @api.post("/classes", responses={201: ClassResponse})
 def create_class() -> Response:
-    """Create a class. Requires the role teacher. Pupils join with its code."""
+    """Create a class. Requires the role teacher. Students join with its code."""
     user_id = access.require_account(Action.TEACH)
     body = request_body.json_body(ClassRequest)
     with refusals.as_problems(), services().database.writing() as database:
@@ -110,7 +110,7 @@ def change_class(path: ClassPath) -> dict[str, Any]:
 
 @api.delete("/classes/<int:class_id>", responses={204: None})
 def delete_class(path: ClassPath) -> Response:
-    """Delete a class with its assignments. The pupils keep their runs."""
+    """Delete a class with its assignments. The students keep their runs."""
     class_access.taught_class(path.class_id)
     with services().database.writing() as database:
         classrooms.remove(database, path.class_id)
@@ -129,7 +129,7 @@ def leave(path: ClassPath) -> Response:
 
 @api.get("/classes/<int:class_id>/pupils", responses={200: PupilsResponse})
 def list_pupils(path: ClassPath, query: PupilsQuery) -> dict[str, Any]:
-    """List the pupils of a class that you teach, in the order of their names."""
+    """List the students of a class that you teach, in the order of their names."""
     class_access.taught_class(path.class_id)
     with services().database.reading() as database:
         pupils = classrooms.pupils(database, path.class_id, after=query.after)
@@ -142,11 +142,11 @@ def list_pupils(path: ClassPath, query: PupilsQuery) -> dict[str, Any]:
 
 @api.delete("/classes/<int:class_id>/pupils/<int:user_id>", responses={204: None})
 def remove_pupil(path: PupilPath) -> Response:
-    """Remove a pupil from a class that you teach."""
+    """Remove a student from a class that you teach."""
     class_access.taught_class(path.class_id)
     with services().database.writing() as database:
         if not classrooms.leave(database, path.class_id, path.user_id):
-            raise Problem("not-found", f"The class has no pupil {path.user_id}.")
+            raise Problem("not-found", f"The class has no student {path.user_id}.")
     return Response(status=204)
 
 

@@ -1,1 +1,1 @@
-"""Classes, their assignments and what the pupils made of them."""
+"""Classes, their assignments and what the students made of them."""

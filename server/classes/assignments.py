@@ -22,7 +22,7 @@ from seamark.sim.settings.setting import schema_extras
 
 TITLE_MAX, INSTRUCTIONS_MAX = 120, 8000  # [character]
 ASSIGNMENTS_MAX = 200  # of one class
-RUNS_MAX = 1000  # of one pupil for one assignment, so that the teacher's page stays quick
+RUNS_MAX = 1000  # of one student for one assignment, so that the teacher's page stays quick
 DEADLINE_MAX_S = 10 * 365.25 * 86_400  # from now
 PRACTICE, RANKED = "practice", "ranked"
 
@@ -72,7 +72,7 @@ class AssignmentView:
         return self.kind == RANKED
 
     def fixed(self) -> dict[str, Any]:
-        """Return the settings of the scenario, which no pupil may change."""
+        """Return the settings of the scenario, which no student may change."""
         fields = registry.benchmark(self.benchmark).configuration.model_fields
         return {
             name: value
@@ -151,7 +151,7 @@ def describe(
 
 
 def remove(session: Session, assignment_id: int) -> None:
-    """Delete an assignment; the runs stay those of the pupils."""
+    """Delete an assignment; the runs stay those of the students."""
     session.execute(delete(Assignment).where(Assignment.id == assignment_id))
 
 

@@ -1,4 +1,4 @@
-"""Classes: a teacher makes one and hands out its code, or a link with it; pupils join and leave."""
+"""Classes: a teacher makes one and hands out its code or link; students join and leave."""
 
 import secrets
 import time
@@ -16,8 +16,8 @@ from seamark.server.database.tables import User
 NAME_MAX = 80  # [character]
 CLASSES_MAX = 200  # of one teacher
 PUPILS_MAX = 2000  # of one class
-JOINED_MAX = 50  # classes that one pupil may belong to
-PAGE = 50  # pupils on a page
+JOINED_MAX = 50  # classes that one student may belong to
+PAGE = 50  # students on a page
 # Digits and capitals that nobody confuses, as in Crockford's base 32: 10 of them are 50 bits. At
 # the rate of guesses that the server allows, hitting one of 1000 codes takes millions of years.
 _ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
@@ -28,7 +28,7 @@ _MISREAD = str.maketrans("OIL", "011", "- ")
 
 @dataclass(frozen=True, slots=True)
 class ClassView:
-    """A class as its teacher or a pupil sees it; the code is for the teacher alone."""
+    """A class as its teacher or a student sees it; the code is for the teacher alone."""
 
     id: int
     name: str
@@ -43,7 +43,7 @@ class ClassView:
 
 @dataclass(frozen=True, slots=True)
 class Pupil:
-    """A pupil of a class."""
+    """A student of a class."""
 
     user_id: int
     name: str
@@ -75,7 +75,7 @@ def taught_by(session: Session, user_id: int) -> list[ClassView]:
 
 
 def joined_by(session: Session, user_id: int) -> list[ClassView]:
-    """Return the classes that a pupil belongs to, newest first, archived ones last."""
+    """Return the classes that a student belongs to, newest first, archived ones last."""
     joined = select(Membership.class_id).where(Membership.user_id == user_id)
     return _views(session, Classroom.id.in_(joined))
 
@@ -87,7 +87,7 @@ def opened_by(session: Session, code: str) -> ClassView | None:
 
 
 def has_member(session: Session, class_id: int, user_id: int | None) -> bool:
-    """Return whether an account is a pupil of a class."""
+    """Return whether an account is a student of a class."""
     return user_id is not None and session.get(Membership, (class_id, user_id)) is not None
 
 
@@ -109,7 +109,7 @@ def join(session: Session, user_id: int, code: str) -> int:
     if has_member(session, found.id, user_id):
         return found.id
     if found.pupils >= PUPILS_MAX:
-        raise ClassRefused(f"This class already has {PUPILS_MAX} pupils.")
+        raise ClassRefused(f"This class already has {PUPILS_MAX} students.")
     joined = select(func.count()).where(Membership.user_id == user_id)
     if (session.scalar(joined) or 0) >= JOINED_MAX:
         raise ClassRefused(f"You are in {JOINED_MAX} classes. Leave one first.")
@@ -120,7 +120,7 @@ def join(session: Session, user_id: int, code: str) -> int:
 def leave(session: Session, class_id: int, user_id: int) -> bool:
     """End a membership; False if there is none.
 
-    The runs stay the pupil's. The teacher no longer sees them, unless the pupil joins again.
+    The runs stay the student's. The teacher no longer sees them, unless the student joins again.
     """
     own = (Membership.class_id == class_id, Membership.user_id == user_id)
     gone = session.scalar(delete(Membership).where(*own).returning(Membership.user_id))
@@ -151,12 +151,12 @@ def change(
 
 
 def remove(session: Session, class_id: int) -> None:
-    """Delete a class with its assignments; the runs stay those of the pupils."""
+    """Delete a class with its assignments; the runs stay those of the students."""
     session.execute(delete(Classroom).where(Classroom.id == class_id))
 
 
 def pupils(session: Session, class_id: int, *, after: str = "", limit: int = PAGE) -> list[Pupil]:
-    """Return the pupils of a class in the order of their names, those after a name."""
+    """Return the students of a class in the order of their names, those after a name."""
     query = (
         select(User.id, User.name, Membership.joined_at)
         .join(Membership, Membership.user_id == User.id)

@@ -1,4 +1,4 @@
-"""What the pupils of a class made of an assignment: their best runs, counts, ranking."""
+"""What the students of a class made of an assignment: their best runs, counts, ranking."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from seamark.server.database.tables import Result, Run
 from seamark.server.programs import starter_programs
 
 RANKING_MAX = 100  # places that the anonymous ranking shows
-OWN_RUNS_MAX = 100  # of one pupil on the page of an assignment
+OWN_RUNS_MAX = 100  # of one student on the page of an assignment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class AssignedRunView:
 
 @dataclass(frozen=True, slots=True)
 class PupilProgress:
-    """A pupil's runs for an assignment. `best` is None until one has succeeded."""
+    """A student's runs for an assignment. `best` is None until one has succeeded."""
 
     pupil: Pupil
     runs: int
@@ -46,7 +46,7 @@ class PupilProgress:
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Of a class: pupils, those who have submitted a run, those who have a score, and runs."""
+    """Of a class: students, those who have submitted a run, those who have a score, and runs."""
 
     pupils: int
     started: int
@@ -66,9 +66,9 @@ class Place:
 def page(
     session: Session, class_id: int, assignment_id: int, *, after: str = ""
 ) -> list[PupilProgress]:
-    """Return the next pupils in the order of their names, as many as fit a page.
+    """Return the next students in the order of their names, as many as fit a page.
 
-    Three queries, whatever the numbers of pupils and runs.
+    Three queries, whatever the numbers of students and runs.
     """
     listed = classrooms.pupils(session, class_id, after=after)
     ids = [pupil.user_id for pupil in listed]
@@ -83,7 +83,7 @@ def page(
 
 
 def totals(session: Session, class_id: int, assignment_id: int) -> Totals:
-    """Count over the present pupils of a class."""
+    """Count over the present students of a class."""
     pupils = select(func.count()).where(Membership.class_id == class_id)
     counts = (
         select(
@@ -107,7 +107,7 @@ def own_runs(session: Session, assignment_id: int, user_id: int) -> list[Assigne
 def ranking(
     session: Session, class_id: int, assignment_id: int, user_id: int | None
 ) -> list[Place]:
-    """Return the best scores of the pupils, best first, without names; one's own is marked."""
+    """Return the best scores of the students, best first, without names; one's own is marked."""
     best = (
         select(AssignedRun.user_id, func.max(AssignedRun.score).label("score"))
         .join(Membership, Membership.user_id == AssignedRun.user_id)

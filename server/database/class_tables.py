@@ -38,7 +38,7 @@ class Classroom(Base):
 
 
 class Membership(Base):
-    """A pupil of a class."""
+    """A student of a class."""
 
     __tablename__ = "memberships"
 

@@ -109,13 +109,13 @@ def delete(assignment_id: int) -> ResponseReturnValue:
         return redirect(url_for("assignments.show", assignment_id=assignment_id), code=303)
     with services().database.writing() as session:
         assignments.remove(session, assignment_id)
-    flash("The assignment has been deleted. The pupils keep their runs.", "good")
+    flash("The assignment has been deleted. The students keep their runs.", "good")
     return redirect(url_for("classes.show", class_id=found.class_id), code=303)
 
 
 @page.get("/assignments/<row:assignment_id>/pupils.csv")
 def as_csv(assignment_id: int) -> ResponseReturnValue:
-    """Download the best run of each pupil with its seed and metrics."""
+    """Download the best run of each student with its seed and metrics."""
     found = class_access.taught_assignment(assignment_id)
     answer = Response(assignment_csv.lines(services().database, found))
     answer.headers["Content-Type"] = csv_export.MEDIA_TYPE

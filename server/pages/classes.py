@@ -1,4 +1,4 @@
-"""Classes: the teacher's and the pupil's; joining by a code; changes by the teacher."""
+"""Classes: the teacher's and the student's; joining by a code; changes by the teacher."""
 
 from flask import Blueprint, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
@@ -93,7 +93,7 @@ def show(class_id: int) -> ResponseReturnValue:
 
 @page.post("/<row:class_id>")
 def change(class_id: int) -> ResponseReturnValue:
-    """Rename a class and choose whether pupils see the ranking."""
+    """Rename a class and choose whether students see the ranking."""
     class_access.taught_class(class_id)
     ranking = request.form.get("shows_ranking") == "on"
     try:
@@ -153,7 +153,7 @@ def leave(class_id: int) -> ResponseReturnValue:
 
 @page.get("/<row:class_id>/pupils")
 def pupils(class_id: int) -> ResponseReturnValue:
-    """List the pupils of a class."""
+    """List the students of a class."""
     room = class_access.taught_class(class_id)
     after = request.args.get("after", "")
     with services().database.reading() as session:
@@ -166,13 +166,13 @@ def pupils(class_id: int) -> ResponseReturnValue:
 
 @page.post("/<row:class_id>/pupils/<row:user_id>/remove")
 def remove_pupil(class_id: int, user_id: int) -> ResponseReturnValue:
-    """Remove a pupil from a class."""
+    """Remove a student from a class."""
     class_access.taught_class(class_id)
     with services().database.writing() as session:
         if not classrooms.leave(session, class_id, user_id):
-            raise Problem("not-found", "The class has no such pupil.")
+            raise Problem("not-found", "The class has no such student.")
     flash(
-        "The pupil has been removed. Press “New link and code” on the page of the class "
+        "The student has been removed. Press “New link and code” on the page of the class "
         "to keep them from joining again.",
         "good",
     )

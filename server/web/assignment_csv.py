@@ -1,4 +1,4 @@
-"""The runs of a class for an assignment as CSV: for each pupil the best one with its metrics."""
+"""The runs of a class for an assignment as CSV: for each student the best one with its metrics."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -12,7 +12,7 @@ from seamark.server.web.problems import Problem
 def user_of(session: Session, name: str) -> User:
     """Return the user; raises Problem for one who has published nothing, as if there were none.
 
-    Otherwise anybody could list the pupils of a school by guessing their names.
+    Otherwise anybody could list the students of a school by guessing their names.
     """
     user = profiles.find(session, name)
     own = user is not None and user.id == access.viewer().user_id

@@ -47,7 +47,7 @@ def account() -> str:
 def sign_ups() -> str:
     """Return how many accounts may be created from one address, or with the link to one class.
 
-    Pupils of a school share its address, and their class limits how many they are.
+    Students of a school share its address, and their class limits how many they are.
     """
     if class_access.invited_to() is not None:
         return f"{PUPILS_MAX} per day"

@@ -1,4 +1,4 @@
-"""A class in a real browser: a teacher assigns, a pupil hands in, the teacher sees the result."""
+"""A class in a real browser: a teacher assigns, a student hands in, the teacher sees the result."""
 
 import csv
 from datetime import UTC, datetime, timedelta
@@ -63,7 +63,7 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     expect(pupil.get_by_role("region", name="Your runs")).to_contain_text("succeeded")
 
     visitor.open(assignment)
-    row = page.get_by_role("region", name="Pupils").get_by_role("row", name="pupil")
+    row = page.get_by_role("region", name="Students").get_by_role("row", name="pupil")
     with page.expect_download() as download:
         page.get_by_role("link", name="CSV").click()
     (line,) = csv.DictReader(download.value.path().read_text().splitlines())

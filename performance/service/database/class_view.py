@@ -1,8 +1,8 @@
 """What a teacher's page of a large class costs: `./run performance class_view [PUPILS [RUNS]]`.
 
-Fills an empty SQLite database with a class and runs of each pupil for one assignment, and measures
-the queries of the teacher's page, the ranking and the whole CSV. The baseline is the same page of a
-class of 50 pupils with one run each.
+Fills an empty SQLite database with a class and runs of each student for one assignment, and
+measures the queries of the teacher's page, the ranking and the whole CSV. The baseline is the same
+page of a class of 50 students with one run each.
 """
 
 import tempfile
@@ -111,14 +111,14 @@ def measure(pupils: int, runs: int) -> tuple[int, float, float]:
 def rows(pupils: int = PUPILS, runs: int = RUNS) -> list[Row]:
     """Measure and return the rows."""
     large, small = measure(pupils, runs), measure(50, 1)
-    of = f"{pupils} pupils with {runs} runs each"
+    of = f"{pupils} students with {runs} runs each"
     names = (("statements of the page", 1.0, ""), ("page", 1e3, "ms"), ("CSV", 1e3, "ms"))
     return [
         Row(
             what=f"{what}, {of}",
             value=big / scale,
             unit=unit,
-            baseline="50 pupils, 1 run each",
+            baseline="50 students, 1 run each",
             baseline_value=few / scale,
         )
         for (what, scale, unit), big, few in zip(names, large, small, strict=True)

@@ -1,4 +1,4 @@
-"""Runs for an assignment: what the assignment fixes, and what the pupil may choose."""
+"""Runs for an assignment: what the assignment fixes, and what the student may choose."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ from seamark.sim import registry
 def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Submission:
     """Return a submission with the kind, the settings, the seed and the trials of an assignment.
 
-    The pupil chooses the program and the settings of a built-in solution.
+    The student chooses the program and the settings of a built-in solution.
 
     Raises
     ------
@@ -76,4 +76,4 @@ def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, ob
             raise SubmissionRejected(
                 f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name
             )
-    return {**found.config, **chosen, **fixed}  # with the parameters of the pupil's program
+    return {**found.config, **chosen, **fixed}  # with the parameters of the student's program
