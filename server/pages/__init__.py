@@ -2,41 +2,21 @@
 
 from flask import Flask
 
-from seamark.server.pages import (
-    account,
-    administration,
-    assignments,
-    audit_log,
-    benchmarks,
-    classes,
-    compare,
-    demo,
-    docs,
-    download,
-    errors,
-    first_program,
-    guides,
-    home,
-    identity,
-    invitations,
-    leaderboard,
-    link_preview_pictures,
-    mail,
-    mission_logs,
-    own_account,
-    people,
-    profile,
-    publications,
-    rejudgements,
-    run,
-    runs,
-    sparkline,
-    status,
-    submit,
-    sweep,
-)
-from seamark.server.pages.code_blocks import code_block
-from seamark.server.pages.docs_articles import article, with_way_to_install
+from seamark.server.pages import errors
+from seamark.server.pages.account import account, identity, invitations, mail, own_account, profile
+from seamark.server.pages.administration import administration, audit_log, people, rejudgements
+from seamark.server.pages.benchmark import benchmarks
+from seamark.server.pages.classes import assignments, classes
+from seamark.server.pages.compare import compare
+from seamark.server.pages.docs import docs, download, guides
+from seamark.server.pages.docs.articles import article, code_block, with_way_to_install
+from seamark.server.pages.home import demo, home, status
+from seamark.server.pages.leaderboard import leaderboard
+from seamark.server.pages.previews import link_preview_pictures
+from seamark.server.pages.publication import publications
+from seamark.server.pages.run import mission_logs, run, runs, sparkline
+from seamark.server.pages.submission import first_program, submit
+from seamark.server.pages.sweep import sweep
 from seamark.server.web import template_filters, url_converters
 
 PAGES = (

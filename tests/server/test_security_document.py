@@ -13,7 +13,7 @@ from seamark.programs import preparation
 from seamark.server.accounts import accounts
 from seamark.server.api import request_body
 from seamark.server.api.schemas import CONFIG_MAX
-from seamark.server.pages import docs_search
+from seamark.server.pages.docs import search_index
 from seamark.server.programs import reader_process, source_differences
 from seamark.server.runs.downloads import conversion_process
 from seamark.server.web import body_limits, received_body
@@ -78,7 +78,7 @@ def test_every_command_of_performance_that_it_names_is_there() -> None:
             (f"{body_limits.FORM_MAX_BYTES >> 10} KiB", f"{body_limits.FIELD_MAX:,}"),
         ),
         ("passwords", (f"{accounts.PASSWORD_MAX} characters",)),
-        ("words of a search", (f"{docs_search.QUERY_MAX} characters",)),
+        ("words of a search", (f"{search_index.QUERY_MAX} characters",)),
         (
             "programs: source",
             (f"{preparation.TEXT_MAX_BYTES >> 20} MiB", f"{reader_process.CPU_S} s"),

@@ -132,7 +132,7 @@ def _patterns() -> dict[str, "re.Pattern[str]"]:
     modules = [
         import_module(info.name)
         for info in pkgutil.walk_packages(server.__path__, "seamark.server.")
-        if info.name != "seamark.server.pages.guides"  # reads our own documentation alone
+        if info.name != "seamark.server.pages.docs.guides"  # reads our own documentation alone
     ]
     return {
         f"{module.__name__}.{name}": value

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from seamark.server.pages.docs import EXTRAS
+from seamark.server.pages.docs.docs import EXTRAS
 from seamark.server.web.own_wheel import CLIENT, LEFT_OUT, MADE_HERE, TAGS, OwnWheel, Wheel
 
 ROOT = Path(__file__).parents[3]

@@ -17,7 +17,7 @@ import { SceneBox } from "./scene_box.js";
 const TABLE_MS = 250;
 
 export class Player {
-  // root: the element with the parts; data: of the page; see server/pages/player_data.py
+  // root: the element with the parts; data: of the page; see server/pages/run/player_data.py
   constructor(root, data) {
     Object.assign(this, { root, data });
     this.memory = new Memory(`player-${data.id}-${root.dataset.player}`);

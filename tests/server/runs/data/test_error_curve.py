@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from seamark.server.pages.sparkline import segments
+from seamark.server.pages.run.sparkline import segments
 from seamark.server.runs.data.error_curve import POINTS, error_curve
 from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH

@@ -1,0 +1,1 @@
+"""The administration: the state of the service, its accounts and what admins change."""

@@ -1,0 +1,1 @@
+"""Plots as shapes of a page: axes, points, labels that do not overlap."""

@@ -1,0 +1,1 @@
+"""The documentation: pages of the site, Markdown of docs/, navigation and search."""

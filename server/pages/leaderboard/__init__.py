@@ -1,0 +1,1 @@
+"""The leaderboards, with the replay of the leader and the history of a rank."""

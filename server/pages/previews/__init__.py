@@ -1,0 +1,1 @@
+"""What a link to a page shows elsewhere: texts and a picture."""

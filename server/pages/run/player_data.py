@@ -1,0 +1,61 @@
+"""What the player of a run needs beside the run's own data, as JSON in the page."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from seamark.server.pages.run.log_view import (
+    PIXELS,
+    WHOLE,
+    absent_columns,
+    has_unknown_current,
+    tracks,
+)
+from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
+from seamark.server.web import known_benchmarks
+from seamark.server.web.streams.excerpts import start_of_trial
+from seamark.sim.benchmarks.benchmark import Chart
+from seamark.sim.recording import telemetry
+from seamark.sim.settings.grid import level_names
+
+IMAGE_PERIOD_S = 0.05
+_NOT_CHARTED = frozenset({"trial", "t"})  # the same in a whole chart, and its axis
+
+
+def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
+    """Return levels, charts and columns of a run."""
+    benchmark = known_benchmarks.by_name(run.benchmark)
+    config = benchmark.restore(run.config)
+    absent = absent_columns(run)
+    return {
+        "id": run.id,
+        "benchmark": run.benchmark,
+        "live": not run.state.final,
+        "trials": run.trials,
+        "trial_s": benchmark.trial_duration_s(config),
+        "level_s": run.config.get("level_duration_s"),
+        "levels": config.level_values(),
+        "ordered": config.levels_in_order(),
+        "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
+        "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
+        "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
+        "charts": _charts(run, benchmark.charts_of(config)),
+        "columns": [
+            {"name": column.name, "unit": column.unit, "meaning": column.meaning}
+            for column in telemetry.columns(len(files.columns))
+            if column.name not in _NOT_CHARTED | absent
+        ],
+        "api": f"/api/v1/runs/{run.id}",
+        "events_after": str(start_of_trial(files)),
+    }
+
+
+def _charts(run: RunView, charts: Sequence[Chart]) -> list[dict[str, Any]]:
+    """Return the charts of the columns that a run has; where no tracker saw it, none in pixels."""
+    absent = absent_columns(run)
+    shown = [
+        {"title": chart.title, "unit": chart.unit, "columns": columns}
+        for chart in charts
+        if (columns := [name for name in chart.columns if name not in absent])
+    ]
+    return shown if tracks(run) else [chart for chart in shown if chart["unit"] != PIXELS]

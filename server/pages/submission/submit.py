@@ -1,0 +1,208 @@
+"""Submit a run: the form of a benchmark."""
+
+from flask import Blueprint, g, redirect, render_template, url_for
+from flask.typing import ResponseReturnValue
+
+from seamark.programs import archives, declarations, file_types, trial_limits
+from seamark.programs.preparation import TEXT_MAX_BYTES, UploadRejected
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.classes.assignments import AssignmentView
+from seamark.server.messaging import workers
+from seamark.server.pages.benchmark import form_fields
+from seamark.server.pages.submission import own_parameters, prefill, submitted_program, sweep_fields
+from seamark.server.pages.submission.prefill import Prefill
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs.record import run_notes
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission import assigned, quota, submission, sweeps
+from seamark.server.runs.submission.quota import QuotaExceeded
+from seamark.server.runs.submission.submission import UPLOAD, Submission, SubmissionRejected
+from seamark.server.storage.storage import StorageUnavailable
+from seamark.server.web import access, authentication, body_limits, known_benchmarks
+from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
+from seamark.server.web.services import services
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.settings.configuration import ConfigurationInvalid
+
+_DIGITS_MAX = 18
+page = Blueprint("submit", __name__, url_prefix="/submit")
+
+
+@page.get("/")
+def first() -> ResponseReturnValue:
+    """Redirect to the form of the first benchmark."""
+    return redirect(url_for("submit.form", name=known_benchmarks.first().name))
+
+
+@page.get("/<name>")
+def form(name: str) -> ResponseReturnValue:
+    """Show the form with the defaults, a preset, or the settings of a run."""
+    benchmark = known_benchmarks.by_name(name)
+    return _show(benchmark, prefill.initial(benchmark), errors={})
+
+
+@page.post("/<name>")
+@limiter.limit(SUBMISSIONS, key_func=client)
+def create(name: str) -> ResponseReturnValue:
+    """Submit a run, or show the form again with the errors."""
+    benchmark = known_benchmarks.by_name(name)
+    access.require_scope(Action.SUBMIT)
+    posted = body_limits.form_fields()
+    values = form_fields.read(benchmark.schema(), posted)
+    program: StoredProgram | None = None
+    errors: dict[str, str] = {}
+    status = 422
+    try:
+        if posted.get("controller") == UPLOAD:
+            program, errors = _program(benchmark, posted)
+        address = _start(_submission(benchmark, values, posted, program), posted)
+    except ConfigurationInvalid as refusal:
+        errors = refusal.errors | errors
+    except SubmissionRejected as refusal:
+        errors = errors or {refusal.field: str(refusal)}
+    except QuotaExceeded as refusal:
+        status, errors = 429, {"": str(refusal)}
+    except StorageUnavailable as refusal:
+        status, errors = 503, {"": str(refusal)}
+    if errors:
+        shown = Prefill(values=values, posted=posted, program=program)
+        return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
+    services().wake_worker()  # only after the commit: the worker must find the row
+    return redirect(address, code=303)
+
+
+def _start(sent: Submission, posted: dict[str, str]) -> str:
+    """Submit the run of a form, or its sweep, and return the address of its page."""
+    settings, database = services().settings, services().database
+    axes = sweep_fields.read(posted)
+    if not axes:
+        valid = submission.validate(sent, settings)
+        with database.writing() as session:
+            return url_for("run.show", run_id=submission.submit(session, valid, settings))
+    planned = sweeps.plan(sent, axes, settings)
+    with database.writing() as session:
+        sweep_id = sweeps.submit(session, planned, axes, settings, title=sent.title)
+    return url_for("sweep.show", sweep_id=sweep_id)
+
+
+def _program(
+    benchmark: Benchmark, posted: dict[str, str]
+) -> tuple[StoredProgram | None, dict[str, str]]:
+    """Return the program of a form, or the error to show beside those of the other fields."""
+    try:
+        return submitted_program.save(benchmark, posted), {}
+    except UploadRejected as refusal:
+        return None, {"program": str(refusal)}
+
+
+def _submission(
+    benchmark: Benchmark,
+    values: dict[str, object],
+    posted: dict[str, str],
+    program: StoredProgram | None,
+) -> Submission:
+    """Return the submission in a posted form."""
+    ranked = posted.get("kind") == RunKind.RANKED
+    source = prefill.visible_run(posted.get("from", ""))
+    sent = Submission(
+        viewer=authentication.become_guest(),
+        benchmark=benchmark.name,
+        config=values | own_parameters.read(posted),
+        kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
+        controller=posted.get("controller", ""),
+        program=program,
+        seed=_whole(posted, "seed", "A seed"),
+        trials=_whole(posted, "trials", "The number of trials"),
+        title=posted.get("title", ""),
+        rerun_of=None if source is None else source.id,
+    )
+    assignment = _whole(posted, "assignment", "The number of an assignment")
+    if assignment is None:
+        return sent
+    with services().database.reading() as session:
+        return assigned.for_assignment(session, assignment, sent)
+
+
+def _changes_run(posted: dict[str, str], assignment: AssignmentView | None) -> bool:
+    """Return whether title, seed or trials differ from what the form starts with."""
+    if assignment is not None:
+        return bool(posted.get("title"))
+    named = any(posted.get(name) for name in ("title", "seed"))
+    return named or posted.get("trials", "1") not in {"", "1"}
+
+
+def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
+    text = posted.get(name, "").strip()
+    if not text:
+        return None
+    if not text.isdecimal():
+        raise ConfigurationInvalid({name: f"{what} must be a whole number, not {text[:20]}."})
+    return int(text[:_DIGITS_MAX])  # more digits are outside of any range
+
+
+def _show(
+    benchmark: Benchmark, prefilled: Prefill, *, errors: dict[str, str], keep: bool = True
+) -> str:
+    settings, posted, program = services().settings, prefilled.posted, prefilled.program
+    kept = program if keep else None
+    assignment = prefill.assignment_of(posted.get("assignment", ""))
+    fixed = {} if assignment is None else assignment.fixed()
+    values = {**prefilled.values, **fixed}
+    schema, starters = benchmark.schema(), editor_starters(benchmark.role)
+    fields = {*schema["properties"], "program", "seed", "trials", "sweep"}
+    given = {**values, **own_parameters.read(posted)}
+    shown = own_parameters.fields(benchmark, program, given, errors)
+    fields |= {one.field for one in shown}
+    general = [text for name, text in errors.items() if name not in fields]
+    groups = form_fields.groups(schema, values, errors, order=benchmark.groups)
+    with services().database.reading() as session:
+        refusals = {
+            language.name: workers.upload_refusal(session, language.name, settings)
+            for language in LANGUAGES.values()
+            if benchmark.role in language.roles
+        }
+        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, settings)
+        ranked = can(g.viewer, Action.SUBMIT_RANKED)
+        ranked_day = quota.ranked_times(session, g.viewer, benchmark.name) if ranked else []
+    return render_template(
+        "submit/form.html",
+        benchmark=benchmark,
+        text_max=TEXT_MAX_BYTES,
+        title_max=run_notes.TITLE_MAX,
+        benchmarks=known_benchmarks.labels(),
+        groups=groups,
+        changed=sum(group.changed for group in groups if not (fixed and group.scenario)),
+        run_changed=_changes_run(posted, assignment),
+        starting_points=benchmark.starting_points,
+        presets=schema.get("x-presets", {}),
+        defaults={name: entry["default"] for name, entry in schema["properties"].items()},
+        posted=posted,
+        assignment=assignment,
+        fixed=fixed,
+        fixed_changes=[] if assignment is None else assigned.fixed_changes(assignment),
+        note=prefilled.note,
+        errors=errors,
+        parameters=shown,
+        sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
+        kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
+        archives=archives.SUFFIXES,
+        file_names={name: starter.upload_name for name, starter in starters.items()},
+        general=" ".join(general),
+        languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
+        kinds=kinds(name for name, refusal in refusals.items() if not refusal),
+        other_kinds=kinds(name for name in refusals if name != DEFAULT_LANGUAGE),
+        packed=file_types.packed(),
+        declaring=declarations.MARKS,
+        unavailable={LANGUAGES[name].label: why for name, why in refusals.items() if why},
+        default_language=DEFAULT_LANGUAGE,
+        examples={name: starter.text() for name, starter in starters.items() if not refusals[name]},
+        uploads=can(g.viewer, Action.UPLOAD),
+        ranked=ranked,
+        ranked_day=len(ranked_day),
+        ranked_trials=submission.ranked_trials(benchmark, settings),
+        upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),
+        quota=used,
+        settings=settings,
+        limits=trial_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
+    )

@@ -1,0 +1,23 @@
+"""The benchmarks that a page may name in its address."""
+
+from flask import abort
+
+from seamark.sim import registry
+from seamark.sim.benchmarks.benchmark import Benchmark
+
+
+def first() -> Benchmark:
+    """Return the default benchmark."""
+    return registry.benchmark(next(iter(registry.BENCHMARKS)))
+
+
+def by_name(name: str) -> Benchmark:
+    """Return a benchmark, or end the request with 404."""
+    if name not in registry.BENCHMARKS:
+        abort(404)
+    return registry.benchmark(name)
+
+
+def labels() -> dict[str, str]:
+    """Return name -> title of all benchmarks."""
+    return {name: registry.benchmark(name).title for name in registry.BENCHMARKS}
