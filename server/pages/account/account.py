@@ -25,7 +25,7 @@ from seamark.server.web.rate_limits import (
 from seamark.server.web.redirects import own_path
 from seamark.server.web.services import services
 
-_DISABLED = "This account is disabled. Ask whoever runs this service."
+_DISABLED = "This account is disabled. Ask the operator of this service."
 page = Blueprint("account", __name__)
 
 
@@ -158,8 +158,8 @@ def _record_token(session: Session, action: AuditAction, token_id: int) -> None:
 def flash_adopted(count: int) -> None:
     """Tell how many runs of a guest the account has now."""
     if count:
-        runs = "The run" if count == 1 else f"The {count} runs"
-        flash(f"{runs} you started without an account can be found under My runs.", "good")
+        runs = "the run" if count == 1 else f"the {count} runs"
+        flash(f"Find {runs} you started without an account under My runs.", "good")
 
 
 def _form(template: str, error: str = "") -> str:

@@ -45,7 +45,7 @@ def workers() -> ResponseReturnValue:
 @page.post("/workers/drain")
 def drain() -> ResponseReturnValue:
     """Let a worker start no more runs."""
-    done = "The worker starts no more runs. Those that it has go on to their end."
+    done = "The worker starts no more runs. It finishes those that it has."
     return _change_worker(fleet.drain, done, "This worker is not listed or already drained.")
 
 

@@ -28,7 +28,7 @@ def change(name: str, run_ids: Sequence[int]) -> None:
     """Change those of the runs for which it is possible; the next page says how many."""
     wanted = CHANGES.get(name)
     if wanted is None or not run_ids:
-        flash("Select runs first, then what to do with them.", "warn")
+        flash("Select runs first, then choose an action.", "warn")
         return
     current = services()
     with current.database.reading() as session:

@@ -133,8 +133,8 @@ def test_the_runs_of_a_guest_move_to_the_account_at_sign_up_and_sign_in(site: Si
     browser.post("/submit/currents-v1", order)
     back = browser.post("/sign-in", words, follow_redirects=True)
 
-    assert "The run you started without an account" in welcome.text
-    assert "The 2 runs you started without an account" in back.text
+    assert "Find the run you started without an account" in welcome.text
+    assert "Find the 2 runs you started without an account" in back.text
     views = [site.show(run_id) for run_id in (1, 2, 3)]
     assert [view.user for view in views] == ["cleo"] * 3
     assert "#1" in browser.get("/runs/").text
