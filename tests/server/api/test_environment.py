@@ -47,4 +47,6 @@ def test_the_api_and_the_page_show_what_workers_report_and_where_they_differ(sit
 
 def test_the_page_says_that_no_worker_is_online(site: Site) -> None:
     assert site.client().get("/api/v1/environment").get_json() == {"languages": []}
-    assert "No worker that runs uploaded programs is online" in site.client().get("/docs/box").get_data(as_text=True)
+    page = site.client().get("/docs/box").get_data(as_text=True)
+
+    assert "No worker that runs uploaded programs is online" in page
