@@ -9,29 +9,22 @@ import statistics
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 
-from celery import Celery
-from redis import Redis
 from sqlalchemy import func, select
 
 from performance.service.queue.fake_runs import (
     CLAIMS,
     COMMAND,
-    NOTHING,
     OPTIONS,
-    PLACES,
-    QUOTAS,
     RUNS,
-    count,
-    submit_runs,
-    timed,
+    SLOTS,
+    UNLIMITED,
+    FakeQueue,
 )
 from performance.tables import Row, text
-from seamark.server.database.engine import Database
 from seamark.server.database.tables import Result, Run
-from seamark.server.messaging import broker
-from seamark.server.runs.record.states import LIVE, RunState
+from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from tests.chaos import machine_session
 from tests.chaos.installation import wait_until
@@ -39,57 +32,38 @@ from tests.chaos.machine_session import ELSEWHERE, HERE, START_S, STORES, Sessio
 from tests.services import compose
 
 PING_S = 5.0
+SECRETS = ("storage_access_key", "storage_secret_key", "seed_key")
 STEPS = ("migrate", "worker-rights")
 
 
-class Fleet:
+class Fleet(FakeQueue):
     """The workers, and what they share."""
 
     def __init__(self, session: Session, held: ExitStack) -> None:
         self._session = session
+        secrets = session.host.secrets
         values = {
             "data": session.host.folder / "measuring",
             "database_url": session.url("database_url"),
             "broker_url": session.url("broker_url"),
             "storage_url": "s3://seamark",
             "storage_endpoint": f"http://{STORES['objects']}:3900",
-            "storage_access_key": (session.host.secrets / "storage_access_key").read_text(),
-            "storage_secret_key": (session.host.secrets / "storage_secret_key").read_text(),
-            "seed_key": (session.host.secrets / "seed_key").read_text(),
+            **{name: (secrets / name).read_text() for name in SECRETS},
         }
-        self.settings = Settings.model_validate(values | QUOTAS)
-        self.database = held.enter_context(closing(Database(self.settings.database_url)))
-        self.app: Celery = held.enter_context(closing(broker.celery_app(self.settings)))
-        self.redis: Redis = held.enter_context(closing(broker.connect(self.settings)))
+        super().__init__(Settings.model_validate(values | UNLIMITED), held)
 
     def start(self) -> None:
         """Start the workers, half of them on each machine, and wait for all."""
         inside = {"PYTHONPATH": str(compose.ROOT), "SEAMARK_WORKERS": "1"}
         command = [sys.executable, *COMMAND, "-c", "1", *OPTIONS]
-        for number in range(PLACES):
+        for number in range(SLOTS):
             machine = (HERE, ELSEWHERE)[number % 2]
             name = f"worker-{'ab'[number % 2]}{number // 2}"
             self._session.start("worker", machine, name=name, command=command, environment=inside)
         wait_until(
-            lambda: len(self.app.control.ping(timeout=PING_S, limit=PLACES)) == PLACES, START_S
+            lambda: len(self.app.control.ping(timeout=PING_S, limit=SLOTS)) == SLOTS, START_S
         )
-        self.app.send_task(NOTHING)
-        wait_until(self.is_idle, START_S)
-
-    def is_idle(self) -> bool:
-        """Return whether no ticket and no task waits or is worked on."""
-        return not self.redis.exists(*broker.ticket_keys(self.app), "unacked")
-
-    def nothing_s(self, tasks: int) -> float:
-        """Return how long tasks that do nothing take [s]."""
-        return timed(lambda: [self.app.send_task(NOTHING) for _ in range(tasks)], self.is_idle)
-
-    def runs_s(self, runs: int) -> float:
-        """Return how long runs take that were queued before [s]."""
-        submit_runs(self.database, self.settings, runs)
-        return timed(
-            lambda: broker.send_tickets(self.app, runs), lambda: not count(self.database, *LIVE)
-        )
+        self.await_worker()
 
     def claims_s(self) -> list[float]:
         """Return how long each claim took [s]."""
@@ -105,12 +79,12 @@ class Fleet:
             machines = Counter[str]()
             for worker, number in by_worker:
                 machines[(worker or "").partition("@")[2].partition("/")[0]] += number
-        claims, ended = len(self.claims_s()), count(self.database, RunState.SUCCEEDED)
+        claims, ended = len(self.claims_s()), self.count(RunState.SUCCEEDED)
         once = (counts, results, claims, ended) == ({1: runs}, runs, runs, runs)
         shares = ", ".join(f"{name} {number}" for name, number in sorted(machines.items()))
         saw = self._session.saw
         saw(f"{ended} of {runs} runs succeeded, {claims} claims, {results} results", once)
-        saw(f"{len(machines)} workers had runs: {shares}", len(machines) == PLACES)
+        saw(f"{len(machines)} workers had runs: {shares}", len(machines) == SLOTS)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -120,7 +94,10 @@ def main(arguments: Sequence[str]) -> int:
         session = held.enter_context(machine_session.started(STEPS))
         fleet = Fleet(session, held)
         fleet.start()
-        nothing_s, runs_s = fleet.nothing_s(runs), fleet.runs_s(runs)
+        nothing_s = fleet.nothing_s(runs)
+        fleet.sign_up()
+        fleet.submit(runs)
+        runs_s = fleet.runs_s(runs)
         fleet.check(runs)
         percentiles = statistics.quantiles(fleet.claims_s(), n=100)
         wrong = bool(session.wrong)

@@ -1,7 +1,7 @@
 """Many runs that simulate nothing, through the real queue; the baseline are empty Celery tasks.
 
-`./run performance fake_runs [RUNS]`. One worker with as many processes as eight workers with
-one place each; the runs belong to a hundred users.
+`./run performance fake_runs [RUNS]`. One worker with as many processes as eight workers with one
+slot each; the runs belong to a hundred users.
 """
 
 import os
@@ -9,10 +9,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
+from celery import Celery
+from redis import Redis
 from sqlalchemy import func, select
 
 from performance.tables import Row, text
@@ -28,48 +30,89 @@ from seamark.server.runs.submission.submission import Submission
 from seamark.server.settings import Settings
 from tests.services import valkey
 
-RUNS, USERS, PLACES = 10_000, 100, 8
+RUNS, USERS, SLOTS = 10_000, 100, 8
 POLL_S = 0.1
 NOTHING = "performance.nothing"  # the task of `fake_worker` that does nothing
 CLAIMS = "performance.claims"  # key of a list with the duration of each claim [s]
-QUOTAS = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15}
+UNLIMITED = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15}
 COMMAND = ("-m", "celery", "-A", "performance.service.queue.fake_worker", "worker")
 OPTIONS = ("--without-gossip", "--without-mingle", "--loglevel", "ERROR")
 
 
+class FakeQueue:
+    """The real queue of runs that simulate nothing, seen from outside its workers."""
+
+    def __init__(self, settings: Settings, held: ExitStack) -> None:
+        self.settings = settings
+        self.database = held.enter_context(closing(Database(settings.database_url)))
+        self.app: Celery = held.enter_context(closing(broker.celery_app(settings)))
+        self.redis: Redis = held.enter_context(closing(broker.connect(settings)))
+        self._viewers: list[Viewer] = []
+
+    def is_idle(self) -> bool:
+        """Return whether no ticket and no task waits or is worked on."""
+        return not self.redis.exists(*broker.ticket_keys(self.app), "unacked")
+
+    def await_worker(self) -> None:
+        """Wait until a worker answers."""
+        self.app.send_task(NOTHING)
+        wait(self.is_idle)
+
+    def nothing_s(self, tasks: int) -> float:
+        """Return how long tasks that do nothing take [s]."""
+        return timed(lambda: [self.app.send_task(NOTHING) for _ in range(tasks)], self.is_idle)
+
+    def sign_up(self) -> None:
+        """Create the users, and slots that are alive as long as it takes."""
+        slots = Worker(name="fake", slots=SLOTS, level="none", languages=[], findings=[])
+        with self.database.writing() as session:
+            workers.register(session, slots)
+            users = [accounts.sign_up(session, f"user{number}", None) for number in range(USERS)]
+            self._viewers = [Viewer(user_id=user.id, name=user.name) for user in users]
+
+    def submit(self, runs: int, benchmark: str = "currents-v1") -> None:
+        """Submit runs of the users in turn as the web process does, but without tickets.
+
+        Only after `await_worker`: a worker that starts sends the tickets that queued runs lack.
+        """
+        for number in range(runs):
+            viewer = self._viewers[number % USERS]
+            wanted = Submission(viewer=viewer, benchmark=benchmark, config={}, controller="pi")
+            valid = submission.validate(wanted, self.settings)
+            with self.database.writing() as session:
+                submission.submit(session, valid, self.settings)
+
+    def runs_s(self, runs: int) -> float:
+        """Return how long the submitted runs take from their tickets on [s]."""
+        return timed(lambda: broker.send_tickets(self.app, runs), lambda: not self.count(*LIVE))
+
+    def count(self, *states: RunState) -> int:
+        """Return how many runs are in some states."""
+        query = select(func.count()).where(Run.state.in_(states))
+        with self.database.reading() as session:
+            return session.scalar(query) or 0
+
+
 def rows(runs: int = RUNS) -> list[Row]:
     """Measure and return the row."""
-    with tempfile.TemporaryDirectory() as folder, valkey.on_socket() as broker_url:
-        values = {"data": Path(folder), "broker_url": broker_url, "workers": PLACES}
-        settings = Settings.model_validate(values | QUOTAS)
+    with ExitStack() as held:
+        folder = Path(held.enter_context(tempfile.TemporaryDirectory()))
+        broker_url = held.enter_context(valkey.on_socket())
+        values = {"data": folder, "broker_url": broker_url, "workers": SLOTS}
+        settings = Settings.model_validate(values | UNLIMITED)
         upgrade(settings)
-        with (
-            closing(Database(settings.database_url)) as database,
-            closing(broker.celery_app(settings)) as app,
-            closing(broker.connect(settings)) as redis,
-        ):
-            keys = [*broker.ticket_keys(app), "unacked"]
-            worker = fake_worker(settings)
-            try:
-                app.send_task(NOTHING)
-                wait(lambda: not redis.exists(*keys))  # until the worker is ready
-                nothing_s = timed(
-                    lambda: [app.send_task(NOTHING) for _ in range(runs)],
-                    lambda: not redis.exists(*keys),
-                )
-                # Only now: a worker that starts sends the tickets that queued runs lack.
-                submit_runs(database, settings, runs)
-                queue_s = timed(
-                    lambda: broker.send_tickets(app, runs), lambda: not count(database, *LIVE)
-                )
-            finally:
-                worker.terminate()
-                worker.wait()
-            if count(database, RunState.SUCCEEDED) != runs:
-                raise RuntimeError("some of the runs did not succeed")
+        queue = FakeQueue(settings, held)
+        with fake_worker(settings):
+            queue.await_worker()
+            nothing_s = queue.nothing_s(runs)
+            queue.sign_up()
+            queue.submit(runs)
+            queue_s = queue.runs_s(runs)
+        if queue.count(RunState.SUCCEEDED) != runs:
+            raise RuntimeError("some of the runs did not succeed")
     return [
         Row(
-            what=f"{runs} runs without simulation, {PLACES} places",
+            what=f"{runs} runs without simulation, {SLOTS} slots",
             value=queue_s / runs * 1e3,
             unit="ms wall/run",
             baseline="Celery task that does nothing",
@@ -78,39 +121,15 @@ def rows(runs: int = RUNS) -> list[Row]:
     ]
 
 
-def submit_runs(database: Database, settings: Settings, runs: int) -> None:
-    """Queue the runs, in turns, for places that are alive as long as it takes."""
-    with database.writing() as session:
-        place = Worker(name="fake", slots=PLACES, level="none", languages=[], findings=[])
-        workers.register(session, place)
-        users = [accounts.sign_up(session, f"user{number}", None) for number in range(USERS)]
-        valid = [
-            submission.validate(
-                Submission(
-                    viewer=Viewer(user_id=user.id, name=user.name),
-                    benchmark="currents-v1",
-                    config={},
-                    controller="pi",
-                ),
-                settings,
-            )
-            for user in users
-        ]
-        for number in range(runs):
-            submission.submit(session, valid[number % USERS], settings)
-
-
-def fake_worker(settings: Settings) -> "subprocess.Popen[bytes]":
-    """Start a worker whose runs simulate nothing."""
-    command = [sys.executable, *COMMAND, "-c", str(PLACES), *OPTIONS]
-    return subprocess.Popen(command, env=os.environ | settings.environment())
-
-
-def count(database: Database, *states: RunState) -> int:
-    """Return how many runs are in some states."""
-    query = select(func.count()).where(Run.state.in_(states))
-    with database.reading() as session:
-        return session.scalar(query) or 0
+@contextmanager
+def fake_worker(settings: Settings) -> "Iterator[subprocess.Popen[bytes]]":
+    """Run a worker whose runs simulate nothing."""
+    command = [sys.executable, *COMMAND, "-c", str(SLOTS), *OPTIONS]
+    with subprocess.Popen(command, env=os.environ | settings.environment()) as worker:
+        try:
+            yield worker
+        finally:
+            worker.terminate()
 
 
 def timed(begin: Callable[[], object], ended: Callable[[], bool]) -> float:

@@ -8,33 +8,27 @@ import statistics
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from redis import Redis
 from sqlalchemy import text
 
 from performance.service.queue import start_latency
-from performance.service.queue.fake_runs import NOTHING, count, fake_worker, wait
+from performance.service.queue.fake_runs import UNLIMITED, FakeQueue, fake_worker
 from seamark.sandbox.isolation import proc_stats
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
-from seamark.server.messaging import broker
 from seamark.server.runs.queue import queue
 from seamark.server.runs.queue.queue import Claim
-from seamark.server.runs.record.states import LIVE
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import Submission
 from seamark.server.settings import Settings
 from tests.services import postgres, valkey
 
-RUNS, CLAIMS, USERS = 2000, 100, 50
+RUNS, CLAIMS, BENCHMARK = 2000, 100, "currents-v2"
 WORKERS = (1, 10, 100, 1000)
-PLACES, RUN_S = 2, 10.0  # of a worker in the model; how long its average run takes [s]
+SLOTS, RUN_S = 2, 10.0  # of a worker in the model; how long its average run takes [s]
 SETTLED_S = 12.0  # until each process of a worker has asked the database once
 
 
@@ -55,14 +49,12 @@ class Used:
         return Used(**{n: (getattr(self, n) - getattr(before, n)) / times for n in names})
 
 
-@dataclass(frozen=True, slots=True)
-class Servers:
-    """A database and a broker of their own, and the settings of a service on them."""
+class Servers(FakeQueue):
+    """A database and a broker of their own, and a service on them."""
 
-    settings: Settings
-    database: Database
-    redis: "Redis"
-    postgres_pid: int
+    def __init__(self, settings: Settings, held: ExitStack, postgres_pid: int) -> None:
+        super().__init__(settings, held)
+        self._postgres_pid = postgres_pid
 
     def used(self) -> Used:
         """Return what they have used by now."""
@@ -71,7 +63,7 @@ class Servers:
         with self.database.reading() as session:
             wal, stored = session.execute(text(query)).one()
         return Used(
-            database_s=proc_stats.cpu_s(proc_stats.tree(self.postgres_pid)),
+            database_s=proc_stats.cpu_s(proc_stats.tree(self._postgres_pid)),
             wal_bytes=float(wal),
             stored_bytes=float(stored),
             broker_s=info["used_cpu_user"] + info["used_cpu_sys"],
@@ -98,7 +90,7 @@ class Costs:
     heartbeat: Used
     claim_s: float  # [s] during which no other run can be claimed
     sweep_s: float  # the same of a look for dead workers
-    connections: tuple[int, int]  # of a worker with two places: to the database, to the broker
+    connections: tuple[int, int]  # of a worker with two slots: to the database, to the broker
 
 
 @contextmanager
@@ -111,39 +103,30 @@ def servers() -> Iterator[Servers]:
             "data": folder,
             "database_url": stack.enter_context(postgres.database(server.folder, "load")),
             "broker_url": stack.enter_context(valkey.on_port()),
-            "workers": PLACES,
-            **{"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15},
+            "workers": SLOTS,
         }
-        settings = Settings.model_validate(values)
+        settings = Settings.model_validate(values | UNLIMITED)
         upgrade(settings)
-        database = stack.enter_context(closing(Database(settings.database_url)))
-        redis = stack.enter_context(closing(broker.connect(settings)))
         if server.pid is None:
             raise RuntimeError("PostgreSQL has ended")
-        yield Servers(settings, database, redis, server.pid)
+        yield Servers(settings, stack, server.pid)
 
 
 def measure(runs: int = RUNS) -> Costs:
     """Measure what one of each costs."""
     with servers() as here:
         connections = _connections(here)
-    with servers() as here, closing(broker.celery_app(here.settings)) as app:
-        worker = fake_worker(here.settings)
-        try:
-            keys = [*broker.ticket_keys(app), "unacked"]
-            app.send_task(NOTHING)
-            wait(lambda: not here.redis.exists(*keys))
+    with servers() as here:
+        with fake_worker(here.settings) as worker:
+            here.await_worker()
+            here.sign_up()
             before, own = here.used(), time.process_time()
-            _submit(here, "first", runs)
+            here.submit(runs, BENCHMARK)
             submitting_s = (time.process_time() - own) / runs
             submitted, worked = here.used(), proc_stats.cpu_s(proc_stats.tree(worker.pid))
-            broker.send_tickets(app, runs)
-            wait(lambda: not count(here.database, *LIVE))
+            here.runs_s(runs)
             done = here.used()
             worked = proc_stats.cpu_s(proc_stats.tree(worker.pid)) - worked
-        finally:
-            worker.terminate()
-            worker.wait()
         claims, claim_s = _claims(here, CLAIMS)
         held = here.used()
         for _ in range(10):
@@ -183,23 +166,23 @@ def measured(costs: Costs) -> str:
             f"CPU of the process that submits {1e3 * costs.submitting_s:.3g} ms, "
             f"of the worker beside the simulation {1e3 * costs.worker_s:.3g} ms",
             f"a claim takes {1e3 * costs.claim_s:.3g} ms, a sweep {1e3 * costs.sweep_s:.3g} ms",
-            f"connections of a worker with {PLACES} places: {to_database} to the database, "
+            f"connections of a worker with {SLOTS} slots: {to_database} to the database, "
             f"{to_broker} to the broker",
         ]
     )
 
 
 def estimated(costs: Costs) -> str:
-    """Return what many workers need, if all their places are busy, as a table."""
+    """Return what many workers need, if all their slots are busy, as a table."""
     lines = [
-        f"Estimate for workers with {PLACES} places, all busy, an average run of {RUN_S:g} s:",
+        f"Estimate for workers with {SLOTS} slots, all busy, an average run of {RUN_S:g} s:",
         f"{'workers':>8}{'runs/day':>12}{'database cores':>16}{'broker cores':>14}"
         f"{'WAL MB/s':>10}{'database conns':>16}{'broker conns':>14}",
     ]
     settings = Settings.model_validate({})
     for workers in WORKERS:
-        rate = workers * PLACES / RUN_S
-        beats = workers * PLACES / settings.heartbeat_s
+        rate = workers * SLOTS / RUN_S
+        beats = workers * SLOTS / settings.heartbeat_s
 
         def total(name: str, rate: float = rate, beats: float = beats) -> float:
             once: float = getattr(costs.submission, name) + getattr(costs.run, name)
@@ -220,28 +203,15 @@ def _connections(here: Servers) -> tuple[int, int]:
         with here.database.writing() as session:
             user = accounts.sign_up(session, "ann", None)
             viewer = Viewer(user_id=user.id, name=user.name)
-        for _ in range(2 * PLACES):
+        for _ in range(2 * SLOTS):
             start_latency.evaluate(here.database, here.settings, viewer, None)
         time.sleep(SETTLED_S)
         return here.connections()
 
 
-def _submit(here: Servers, name: str, number: int) -> None:
-    """Submit runs as the web process does, each in a transaction of its own."""
-    with here.database.writing() as session:
-        users = [accounts.sign_up(session, f"{name}{index}", None) for index in range(USERS)]
-        viewers = [Viewer(user_id=user.id, name=user.name) for user in users]
-    for index in range(number):
-        viewer = viewers[index % USERS]
-        wanted = Submission(viewer=viewer, benchmark="currents-v2", config={}, controller="pi")
-        valid = submission.validate(wanted, here.settings)
-        with here.database.writing() as session:
-            submission.submit(session, valid, here.settings)
-
-
 def _claims(here: Servers, number: int) -> tuple[list[Claim], float]:
     """Claim runs one by one; return them and the median time of a claim [s]."""
-    _submit(here, "second", number)
+    here.submit(number, BENCHMARK)
     claims, times = [], []
     for _ in range(number):
         begin = time.perf_counter()
