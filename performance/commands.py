@@ -27,7 +27,6 @@ TABLES = {
     "trackers": "perception.trackers.page",
     "leaderboard": "service.database.leaderboard",
     "many_runs": "service.database.many_runs",
-    "class_view": "service.database.class_view",
     "start_latency": "service.queue.start_latency",
     "fake_runs": "service.queue.fake_runs",
     "claims": "service.queue.claims",
@@ -40,9 +39,7 @@ TABLES = {
     "upgrade_flood": "service.web.upgrade_flood",
     "strangers_bytes": "service.web.strangers_bytes",
 }
-ADJUSTABLE = frozenset(
-    {"trackers", "leaderboard", "many_runs", "class_view", "fake_runs", "claims"}
-)
+ADJUSTABLE = frozenset({"trackers", "leaderboard", "many_runs", "fake_runs", "claims"})
 # Name -> module with `main(arguments)`, as adjustable tables have it too. It writes files or takes
 # long, and is not part of `all`.
 OTHERS = {

@@ -14,19 +14,25 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from performance import ROOT
-from performance.interoperability.steps import TIMEOUT_S, Failed, run
-from seamark.server.accounts import accounts
-from seamark.server.database.engine import Database
-from tests.services.embedded import cancel_baselines, started
+from performance.interoperability.steps import (
+    NPM_CI,
+    SEAMARK,
+    TIMEOUT_S,
+    Failed,
+    are_installed,
+    new_token,
+    run,
+    succeed,
+)
+from tests.services.embedded import started
 
 EXAMPLES = ROOT / "examples"
 ROSLIB = Path(__file__).parent / "roslib_client"
-SEAMARK = (sys.executable, "-m", "seamark.cli.main")
 SHORT = ("levels=0,0.3", "level_duration_s=10", "settle_s=2")
 RUN = ("currents-v1", "--seed", "7", *(word for pair in SHORT for word in ("--set", pair)))
 COMPILE = ("g++", "-std=c++17", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -36,30 +42,27 @@ WAITING = "Waiting for a program at ws://127.0.0.1:"
 
 def main(_arguments: Sequence[str]) -> int:
     """Print each step; 0 if all of them succeeded."""
-    missing = [name for name in ("npm", "node", "g++") if shutil.which(name) is None]
-    if missing:
-        print(f"This needs {', '.join(missing)}.", file=sys.stderr)
+    if not are_installed("npm", "node", "g++"):
         return 2
     with tempfile.TemporaryDirectory(prefix="seamark-bridges-") as name:
         folder = Path(name)
-        for title, step in (
-            ("PI with roslibpy and with roslib behind the bridge", _rosbridge),
-            ("Client in C++", _client_in_cpp),
-        ):
-            print(f"{title} ...", flush=True)
-            try:
-                step(folder)
-            except Failed as failed:
-                print(f"{title}: {failed}", file=sys.stderr)
-                return 1
-    return 0
+        done = succeed(
+            (
+                (
+                    "PI with roslibpy and with roslib behind the bridge",
+                    partial(_rosbridge, folder),
+                ),
+                ("Client in C++", partial(_client_in_cpp, folder)),
+            )
+        )
+    return 0 if done else 1
 
 
 def _rosbridge(folder: Path) -> None:
     """Compare the digests of the examples with that of the built-in controller."""
     shutil.copytree(ROSLIB, folder / "roslib")
     shutil.copy(EXAMPLES / "rosbridge" / "pi.mjs", folder / "roslib")
-    run(("npm", "ci", "--silent", "--no-fund"), folder / "roslib")
+    run(NPM_CI, folder / "roslib")
     outcome = json.loads(run((*SEAMARK, "run", *RUN, "--controller", "pi", "--json"), folder))
     expected = outcome["digest"]
     programs: dict[str, Callable[[str], Sequence[str]]] = {
@@ -119,12 +122,3 @@ def _client_in_cpp(folder: Path) -> None:
         raise Failed("not both runs succeeded")
     if "refused 4" not in printed or not all(path.read_text() for path in written):
         raise Failed("no refusal, or no telemetry")
-
-
-def new_token(data: Path) -> str:
-    """Return a token of a new account; the built-in entries leave the worker to its runs."""
-    with closing(Database(f"sqlite:///{data / 'seamark.db'}")) as database:
-        cancel_baselines(database)
-        with database.writing() as session:
-            user = accounts.sign_up(session, "cpp", None)
-            return accounts.new_token(session, user.id, "t", ("read", "submit"), days=1.0)

@@ -20,13 +20,12 @@ from typing import Any
 import cv2
 import numpy as np
 
-from performance.interoperability.steps import Failed, run
+from performance.interoperability.steps import NPM_CI, SEAMARK, Failed, are_installed, run
 from seamark.formats.ros import frames, layout, mcap_file
 from seamark.sim.recording.telemetry import INDEX, Rows
 from tests import telemetry_csv
 
 READER = Path(__file__).parent / "foxglove_reader"
-SEAMARK = (sys.executable, "-m", "seamark.cli.main")
 SHORT = ("levels=0,0.3", "level_duration_s=10", "settle_s=2")
 RUN = ("currents-v1", "--controller", "pi", "--seed", "7", "--trials", "2", "--out", "result")
 SETTINGS = tuple(word for pair in SHORT for word in ("--set", pair))
@@ -34,8 +33,7 @@ SETTINGS = tuple(word for pair in SHORT for word in ("--set", pair))
 
 def main(_arguments: Sequence[str]) -> int:
     """Print what was read; 0 if all of it is right."""
-    if shutil.which("npm") is None:
-        print("This needs Node.js 20 or newer with npm.", file=sys.stderr)
+    if not are_installed("npm"):
         return 2
     with tempfile.TemporaryDirectory(prefix="seamark-foxglove-") as name:
         folder = Path(name)
@@ -60,7 +58,7 @@ def _read(folder: Path) -> tuple[dict[str, Any], Rows]:
     (folder / "out").mkdir()
     run((*SEAMARK, "run", *RUN, *SETTINGS), folder)
     run((*SEAMARK, "export", "result", "--format", "mcap", "-o", "run.mcap"), folder)
-    run(("npm", "ci", "--silent", "--no-fund"), reader)
+    run(NPM_CI, reader)
     printed = run(("node", "read.mjs", str(folder / "run.mcap"), str(folder / "out")), reader)
     text = (folder / "result" / "telemetry.csv").read_text(encoding="utf-8")
     names, rows = telemetry_csv.read(text)

@@ -1,27 +1,55 @@
 """A complete practice run of 600 s: camera, tracker and a controller, built in or in a box.
 
 Measured in warm processes, as on a worker, and compared with simulated time. Each run is repeated
-with a clock around its parts.
+with a clock around the parts of a control step, whose functions are timed inside the run. Reading
+the clock takes as long as some of them, so its time is measured and taken out.
 """
 
 import os
 import resource
+import tempfile
 import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from performance.simulator import run_parts
-from performance.tables import Row
+from performance.tables import Row, cpu_us
+from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.probing.probes import probe
+from seamark.server.runs.data.files import RunFiles
+from seamark.sim.camera.camera import Camera
+from seamark.sim.control.velocity_controller import VelocityController
+from seamark.sim.engine import closed_loop
+from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.physics.plant import Plant
+from seamark.sim.recording import telemetry
+from seamark.sim.trackers.template.tracker import TemplateTracker
 from seamark.worker.evaluation.local import Callbacks, evaluate_locally
+from seamark.worker.ipc import messages
 
 _SEED = 7
 _SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}
 _SIMULATED_S = 600.0
+# None of them is called within another one.
+_PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
+    "rendering": ((Camera, "region"),),
+    "tracker": ((TemplateTracker, "update"),),
+    "physics": ((Plant, "advance"), (Plant, "read_pose")),
+    "sensors and position error": ((closed_loop, "perceive"),),
+    "velocity controller": ((VelocityController, "step"),),
+    "program: built in, or our side of the exchange": ((BuiltIn, "step"), (Box, "step")),
+    "recording, with the digest": ((telemetry.Recorder, "commit"),),
+}
+_CLOCK = time.thread_time_ns
+_BATCH = telemetry.DELIVERED_ROWS
 
 
 def rows() -> list[Row]:
@@ -36,7 +64,7 @@ def rows() -> list[Row]:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"
             measured += _measure(name, program, isolation)
-        measured += run_parts.rows_of_telemetry(_telemetry())
+        measured += _rows_of_telemetry(_telemetry())
     finally:
         os.sched_setaffinity(0, before)
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -47,13 +75,13 @@ def _measure(
     name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
 ) -> list[Row]:
     wall_s, own_s, box_s = _run(controller, isolation)
-    watch = run_parts.Stopwatch()
+    watch = _Stopwatch()
     with watch.open():
         _, timed_s, timed_box_s = _run(controller, isolation)
     return [
         _relative_to_real_time(f"600 s, {name}: CPU", own_s + box_s, "s CPU"),
         _relative_to_real_time(f"600 s, {name}: wall, one core", wall_s, "s wall"),
-        *run_parts.loop_rows(name.partition(",")[0], watch, timed_s, timed_box_s),
+        *_loop_rows(name.partition(",")[0], watch, timed_s, timed_box_s),
     ]
 
 
@@ -87,3 +115,84 @@ def _relative_to_real_time(what: str, value_s: float, unit: str) -> Row:
     return Row(
         what=what, value=value_s, unit=unit, baseline="simulated time", baseline_value=_SIMULATED_S
     )
+
+
+class _Stopwatch:
+    """CPU time [s] of each part of what runs while it is open."""
+
+    def __init__(self) -> None:
+        self._ns = dict.fromkeys(_PARTS, 0)
+        self._calls = dict.fromkeys(_PARTS, 0)
+        self._clock_ns = 1e3 * cpu_us(_CLOCK, inner=10_000)
+
+    @contextmanager
+    def open(self) -> Iterator[None]:
+        """Time the parts of what runs in this process."""
+        with ExitStack() as restored:
+            for part, functions in _PARTS.items():
+                for owner, name in functions:
+                    function = getattr(owner, name)
+                    setattr(owner, name, self._timed(part, function))
+                    restored.callback(setattr, owner, name, function)
+            yield
+
+    def _timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        ns, calls = self._ns, self._calls
+
+        @wraps(function)
+        def timed(*args: Any) -> Any:
+            begin = _CLOCK()
+            result = function(*args)
+            ns[part] += _CLOCK() - begin
+            calls[part] += 1
+            return result
+
+        return timed
+
+    def parts_s(self) -> dict[str, float]:
+        """Return the CPU time [s] of each part, without that of the clock."""
+        return {
+            part: 1e-9 * (ns - self._calls[part] * self._clock_ns) for part, ns in self._ns.items()
+        }
+
+    def clock_s(self) -> float:
+        """Return the CPU time [s] that reading the clock took: twice at each call."""
+        return 2e-9 * sum(self._calls.values()) * self._clock_ns
+
+
+def _loop_rows(name: str, watch: _Stopwatch, own_s: float, box_s: float) -> list[Row]:
+    """Return the parts of a run: `own_s` here, timed by `watch`, and `box_s` in its box."""
+    parts, own_s = watch.parts_s(), own_s - watch.clock_s()
+    parts["the rest: the loop itself, start and metrics"] = own_s - sum(parts.values())
+    if box_s:
+        parts["the box: its side of the exchange, and the program"] = box_s
+    whole = own_s + box_s
+    return [
+        Row(
+            what=f"  of {name}: {part}",
+            value=seconds,
+            unit="s CPU",
+            baseline="all parts",
+            baseline_value=whole,
+        )
+        for part, seconds in parts.items()
+    ]
+
+
+def _rows_of_telemetry(rows: NDArray[np.float64]) -> list[Row]:
+    """Return what becomes of the rows of a run outside its loop."""
+    return [
+        Row(what=f"  after it: {what}", value=1e-6 * cpu_us(call, repeats=3), unit="s CPU")
+        for what, call in {
+            "CSV": lambda: telemetry.csv_lines(rows),
+            "live data: messages to the worker, file that pages read": lambda: _send_live(rows),
+        }.items()
+    ]
+
+
+def _send_live(rows: NDArray[np.float64]) -> None:
+    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
+        files = RunFiles(Path(folder), 1, 1)
+        for at in range(0, len(rows), _BATCH):
+            sent = telemetry.to_bytes(messages.Rows(rows[at : at + _BATCH]).rows)
+            files.append_rows(telemetry.from_bytes(sent))

@@ -9,7 +9,7 @@ named keep their results.
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
@@ -69,6 +69,15 @@ def main(names: Sequence[str]) -> int:
             for one in pool.map(measure, GROUPS[name]):
                 print(f"{one['label']:32} {mean(one['scores']):.2f} {one['scores']}", flush=True)
                 results[name].append(one)
-                RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+                RESULTS.write_text(_stored(results), encoding="utf-8")
     write(results, DOCS)
     return 0
+
+
+def _stored(results: Mapping[str, Sequence[Any]]) -> str:
+    """Return the results as JSON with a case on each line."""
+    groups = (
+        f"{json.dumps(name)}: [\n" + ",\n".join(f" {json.dumps(one)}" for one in cases) + "\n]"
+        for name, cases in results.items()
+    )
+    return "{\n" + ",\n".join(groups) + "\n}\n"

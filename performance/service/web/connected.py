@@ -23,7 +23,8 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from performance.interoperability.bridges import SEAMARK, WAITING, new_token
+from performance.interoperability.bridges import WAITING
+from performance.interoperability.steps import SEAMARK, new_token
 from performance.tables import Row
 from tests.services.embedded import started
 
