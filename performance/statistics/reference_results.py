@@ -8,7 +8,6 @@ from importlib.metadata import version
 from multiprocessing import get_context
 from typing import NamedTuple
 
-from seamark.server.runs.leaderboard import board_metrics
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.benchmarks.reference_results import ReferenceResult
@@ -43,7 +42,7 @@ def measure(job: Job) -> TrialResult:
 def plotted(definition: Benchmark, trials: Sequence[TrialResult]) -> dict[str, float]:
     """Return the two metrics of the benchmark's Pareto plot, as a run of these trials has them."""
     config = definition.ranked(definition.read({}))
-    values = board_metrics.values(definition.name, summarise(definition.name, config, trials))
+    values = definition.board_values(summarise(definition.name, config, trials))
     return {metric.name: values[metric.name] for metric in definition.pareto or ()}
 
 

@@ -16,7 +16,7 @@ from seamark.sim.settings.position_controllers import UPLOAD
 
 @dataclass(frozen=True, slots=True)
 class ComparedResult:
-    """A result as a `seamark.server.runs.showing.compared_run.ComparedRun`."""
+    """A result as a `seamark.server.runs.showing.score_differences.ComparedRun`."""
 
     id: int  # its position, from 1
     result: Result

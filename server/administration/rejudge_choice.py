@@ -10,7 +10,7 @@ from sqlalchemy.sql.base import ReadOnlyColumnCollection
 from sqlalchemy.sql.elements import KeyedColumnElement
 
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs.record import connected
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.sim.recording.manifest import code_sha256
 
@@ -96,7 +96,7 @@ def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:
     with_program = or_(seen.program_sha256.is_(None), seen.data_deleted_at.is_(None))
     found = [
         # Nothing computes these.
-        *(seen.kind != RunKind.LOG, seen.controller != connected.ROSBRIDGE),
+        *(seen.kind != RunKind.LOG, seen.controller != ROSBRIDGE),
         *(seen.rejudges.is_(None), seen.deleted_at.is_(None), seen.started_at.is_not(None)),
         *(seen.state.in_((RunState.SUCCEEDED, RunState.FAILED)), with_program),
     ]

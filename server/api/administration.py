@@ -15,9 +15,9 @@ from seamark.server.accounts import audit, password_resets
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.audit import AuditFilter
 from seamark.server.accounts.permissions import Action, Role
-from seamark.server.administration import disk, fleet, live_runs, overview, people
-from seamark.server.administration.fleet import FleetWorker
+from seamark.server.administration import disk, live_runs, overview, people, worker_list
 from seamark.server.administration.people import PersonFilter
+from seamark.server.administration.worker_list import ListedWorker
 from seamark.server.api.admin_schemas import (
     AccountChange,
     AccountDeletionQuery,
@@ -75,16 +75,16 @@ def show_overview() -> dict[str, Any]:
 def list_workers() -> dict[str, Any]:
     """List the workers that were seen in the last 24 hours, with their runs."""
     with services().database.reading() as session:
-        return {"workers": [_worker(each) for each in fleet.listed(session)]}
+        return {"workers": [_worker(each) for each in worker_list.listed(session)]}
 
 
 @api.patch("/workers/<string:worker>", responses={200: WorkerResponse})
 def change_worker(path: WorkerPath, body: WorkerChange) -> dict[str, Any]:
     """Drain a worker, which then claims no more runs, or resume it. Again, it changes nothing."""
     with services().database.writing() as session:
-        change = fleet.drain if body.drained else fleet.resume
+        change = worker_list.drain if body.drained else worker_list.resume
         change(session, access.actor(), path.worker)
-        found = [each for each in fleet.listed(session) if each.status.name == path.worker]
+        found = [each for each in worker_list.listed(session) if each.status.name == path.worker]
     if not found:
         raise Problem("not-found", f"There is no worker {path.worker}.")
     if not body.drained:
@@ -215,7 +215,7 @@ def _account(user: User) -> dict[str, Any]:
     return {name: getattr(user, name) for name in AccountResponse.model_fields}
 
 
-def _worker(found: FleetWorker) -> dict[str, Any]:
+def _worker(found: ListedWorker) -> dict[str, Any]:
     names = [name for name in WorkerResponse.model_fields if name != "runs"]
     shown = {name: getattr(found.status, name) for name in names}
     return shown | {"runs": [run.id for run in found.runs]}

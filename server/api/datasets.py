@@ -12,7 +12,7 @@ from flask_openapi3.models.tag import Tag
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import DatasetQuery, RunPath
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.downloads.paced_place import PacedPlace, PlaceTaken
+from seamark.server.runs.downloads.slow_readers import DownloadSlot, SlotTaken
 from seamark.server.runs.record.seeds import seeds_hidden, trial_seeds
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access
@@ -23,7 +23,7 @@ from seamark.sim import registry
 IMAGES_MAX = 1200  # per download: a minute of CPU time, a few hundred megabytes
 _BUSY_RETRY_S = 20
 # Rendering keeps a core busy, and the other threads have pages to serve. A trial may take 250 MB.
-_one_at_a_time = PacedPlace()
+_one_at_a_time = DownloadSlot()
 
 api = APIBlueprint(
     "api_datasets",
@@ -54,7 +54,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     files = access.files_of(view)
     try:
         download = _one_at_a_time.take()
-    except PlaceTaken:
+    except SlotTaken:
         raise Problem(
             "unavailable",
             "Another data set is being rendered.",

@@ -20,7 +20,7 @@ from seamark.server.api.operation_ids import operation_id
 from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.runs.ending import cancellation
 from seamark.server.runs.queue import queue
-from seamark.server.runs.record.connected import ROSBRIDGE
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.submission import submission
 from seamark.server.runs.submission.submission import Submission, ValidSubmission
 from seamark.server.storage.storage import StorageUnavailable

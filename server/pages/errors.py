@@ -10,7 +10,7 @@ from werkzeug.exceptions import HTTPException
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import DATABASE_AWAY
-from seamark.server.programs.fair_places import PlacesBusy
+from seamark.server.programs.fair_semaphore import SlotsBusy
 from seamark.server.runs.data.run_size import size
 from seamark.server.storage import storage
 from seamark.server.storage.storage import StorageUnavailable
@@ -75,7 +75,7 @@ def register(app: Flask) -> None:
     app.register_error_handler(Problem, _show_problem)
     app.register_error_handler(StorageUnavailable, _show_storage)
     app.register_error_handler(OSError, _show_unreadable)
-    app.register_error_handler(PlacesBusy, _show_busy)
+    app.register_error_handler(SlotsBusy, _show_busy)
     for part_is_away in DATABASE_AWAY:
         app.register_error_handler(part_is_away, _show_unavailable)
 
@@ -119,7 +119,7 @@ def _show_unavailable(error: Exception) -> ResponseReturnValue:
     return *_render(503, *_MESSAGES[503]), headers
 
 
-def _show_busy(busy: PlacesBusy) -> ResponseReturnValue:
+def _show_busy(busy: SlotsBusy) -> ResponseReturnValue:
     """Say what is busy, and when there will be a place."""
     slug = "rate-limited" if busy.own else "unavailable"
     problem = Problem(slug, str(busy), headers={"Retry-After": str(busy.retry_after_s)})

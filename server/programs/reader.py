@@ -16,7 +16,7 @@ from seamark.programs.diagnostics import Diagnostic, Stage
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.programs.fair_places import FairPlaces
+from seamark.server.programs.fair_semaphore import FairSemaphore
 
 PLACES = 2  # uploads of one web process that are read at the same time; the others wait
 WAIT_S = 15.0  # for a place
@@ -36,7 +36,7 @@ class ProgramReader:
     """Reads uploads in limited processes, of which one waits ready for the next upload."""
 
     def __init__(self, *, wait_s: float = WAIT_S, waiting_max: int = WAITING_MAX) -> None:
-        self.places = FairPlaces(PLACES, wait_s=wait_s, waiting_max=waiting_max, what="uploads")
+        self.places = FairSemaphore(PLACES, wait_s=wait_s, waiting_max=waiting_max, what="uploads")
         self._lock = threading.Lock()
         self._spare: subprocess.Popen[bytes] | None = None
         self._closed = False
@@ -60,7 +60,7 @@ class ProgramReader:
         ------
         UploadRejected
             It cannot be a program, or reading it costs too much.
-        PlacesBusy
+        SlotsBusy
             Too many uploads are being read: not the fault of this one.
         ReaderBroken
             The service could not read it.

@@ -27,7 +27,7 @@ def open_log(
 
     Raises
     ------
-    LogRefused, PlacesBusy, QuotaExceeded, StorageUnavailable
+    LogRefused, SlotsBusy, QuotaExceeded, StorageUnavailable
         It cannot be read, measured or stored.
     """
     if file is None or not file.filename:

@@ -117,10 +117,10 @@ def _runs(session: Session) -> Iterable[Metric]:
         "How long the oldest of the queued runs of each lane has waited",
         labels=["lane"],
     )
-    for lane in turns.lanes(session):
-        queued.add_metric([lane.name], lane.queued)
-        waited = 0.0 if lane.oldest_at is None else max(time.time() - lane.oldest_at, 0.0)
-        oldest.add_metric([lane.name], waited)
+    for load in turns.loads(session):
+        queued.add_metric([load.name], load.queued)
+        waited = 0.0 if load.oldest_at is None else max(time.time() - load.oldest_at, 0.0)
+        oldest.add_metric([load.name], waited)
     yield from (queued, oldest)
 
 

@@ -1,11 +1,12 @@
 """The declaration of a benchmark: settings, experiment, score and presentation."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
+from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup, over_whole_run
 from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, schema_of
 from seamark.sim.settings.setting import schema_extras
 
@@ -245,6 +246,21 @@ class Benchmark:
         """Return the name of a metric over the run, with the levels that it is a mean of."""
         of_levels = self.overall_levels and isinstance(metric, LevelMetric)
         return f"{metric.label}, {self.overall_levels}" if of_levels else metric.label
+
+    def board_values(self, metrics: Mapping[str, Any]) -> dict[str, float]:
+        """Return name -> value of each of `board_metrics` that the metrics.json of a run has.
+
+        Over the whole run: a metric of levels is combined by its own aggregation.
+        """
+        overall, levels = metrics.get("overall") or {}, metrics.get("levels") or []
+        values = {
+            metric.name: over_whole_run(metric, overall, levels) for metric in self.board_metrics
+        }
+        return {
+            name: value
+            for name, value in values.items()
+            if value is not None and math.isfinite(value)
+        }
 
     def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""

@@ -117,6 +117,19 @@ def over_run(metrics: Iterable[LevelMetric[Any]], levels: Levels) -> dict[str, f
     return {metric.name: metric.over.of(metric.name, levels) for metric in metrics}
 
 
+def over_whole_run(
+    metric: Metric, overall: Mapping[str, float | None], levels: Levels
+) -> float | None:
+    """Return a metric over a run, from those of the run and of its levels; None if it has none."""
+    if metric.name in overall:
+        return overall[metric.name]
+    if not isinstance(metric, LevelMetric) or not levels:
+        return None
+    if not all(metric.name in level for level in levels):
+        return None
+    return metric.over.of(metric.name, levels)
+
+
 def mean_over_trials(trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the mean of each metric over trials, nested ones too; None where one has none."""
     result: dict[str, Any] = {}

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.audit import Actor
 from seamark.server.accounts.permissions import Action
-from seamark.server.administration import disk, fleet, live_runs
+from seamark.server.administration import disk, live_runs, worker_list
 from seamark.server.administration import overview as service_overview
 from seamark.server.runs.ending import cancellation
 from seamark.server.web import access
@@ -37,7 +37,7 @@ def overview() -> ResponseReturnValue:
 def workers() -> ResponseReturnValue:
     """Show the workers with what each of them runs."""
     with services().database.reading() as session:
-        listed = fleet.listed(session)
+        listed = worker_list.listed(session)
     labels = {name: language.label for name, language in LANGUAGES.items()}
     return render_template("admin/workers.html", workers=listed, labels=labels)
 
@@ -46,13 +46,15 @@ def workers() -> ResponseReturnValue:
 def drain() -> ResponseReturnValue:
     """Let a worker start no more runs."""
     done = "The worker starts no more runs. It finishes those that it has."
-    return _change_worker(fleet.drain, done, "This worker is not listed or already drained.")
+    return _change_worker(worker_list.drain, done, "This worker is not listed or already drained.")
 
 
 @page.post("/workers/resume")
 def resume() -> ResponseReturnValue:
     """Let a drained worker start runs again."""
-    answer = _change_worker(fleet.resume, "The worker starts runs again.", "It is not drained.")
+    answer = _change_worker(
+        worker_list.resume, "The worker starts runs again.", "It is not drained."
+    )
     services().wake_worker()
     return answer
 

@@ -7,7 +7,7 @@ from seamark.mission_logs.mapping import TEXT_MAX
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.scope import BENCHMARK, SUFFIXES, measurable
 from seamark.server.accounts.permissions import Action
-from seamark.server.programs.fair_places import PlacesBusy
+from seamark.server.programs.fair_semaphore import SlotsBusy
 from seamark.server.runs.logs.log_reader import LogTooLarge
 from seamark.server.runs.record import run_notes
 from seamark.server.runs.submission.quota import QuotaExceeded
@@ -47,7 +47,7 @@ def create() -> ResponseReturnValue:
         return _show(posted, str(refusal)), 422
     except QuotaExceeded as refusal:
         return _show(posted, str(refusal)), 429
-    except PlacesBusy as refusal:
+    except SlotsBusy as refusal:
         return _show(posted, str(refusal)), 503, {"Retry-After": str(refusal.retry_after_s)}
     except StorageUnavailable as refusal:
         return _show(posted, f"{refusal} Try again in a moment."), 503

@@ -19,7 +19,7 @@ from seamark.server.runs.ending import cancellation, deletion
 from seamark.server.runs.recomputation import rejudged
 from seamark.server.runs.recomputation.rejudged import Recomputation
 from seamark.server.runs.record import run_notes
-from seamark.server.runs.record.connected import ROSBRIDGE
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing.comparison import Comparison, comparisons
 from seamark.server.runs.showing.views import RunView

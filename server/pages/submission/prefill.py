@@ -12,7 +12,7 @@ from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs.record import connected
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
@@ -104,7 +104,7 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
         "from": str(run.id),
     }
     what = "configuration" if run.seed is None else "configuration and seed"
-    if run.controller == connected.ROSBRIDGE:
+    if run.controller == ROSBRIDGE:
         posted["controller"] = next(iter(benchmark.built_in))
         note = f"The form has the {what} of run {run.id}, but not its program, which was connected."
         return Prefill(values=dict(run.config), posted=posted, note=note)

@@ -14,7 +14,7 @@ from typing import Any
 from seamark.formats.recording import Program, Recording
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.downloads.paced_output import PacedOutput
+from seamark.server.runs.downloads.slow_readers import DeadlineOutput
 
 CPU_S = 900  # the largest run as MCAP, with its images, takes a third of it
 DATA_MIB = 2048  # beyond this a format does not keep its promise; Arrow and OpenCV need 400
@@ -27,7 +27,7 @@ def main() -> None:
     _limit()
     job: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
     recording = _recording(job, sys.stdin.buffer.read())
-    FORMATS[job["format"]].write(recording, PacedOutput(sys.stdout.buffer))  # type: ignore[arg-type]
+    FORMATS[job["format"]].write(recording, DeadlineOutput(sys.stdout.buffer))  # type: ignore[arg-type]
     sys.stdout.buffer.flush()
 
 

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import BinaryIO
 
 from seamark.formats.registry import Format
-from seamark.server.programs.fair_places import FairPlaces
+from seamark.server.programs.fair_semaphore import FairSemaphore
 from seamark.server.runs.data.files import RunFiles
 
 PLACES = 2  # runs that one web process has converted at once, in up to 250 MB each; others wait
@@ -58,7 +58,9 @@ class Conversions:
     """The places of one web process; `command` starts the process that writes a file."""
 
     def __init__(self, *, wait_s: float = WAIT_S, command: Sequence[str] = COMMAND) -> None:
-        self._places = FairPlaces(PLACES, wait_s=wait_s, waiting_max=WAITING_MAX, what="downloads")
+        self._places = FairSemaphore(
+            PLACES, wait_s=wait_s, waiting_max=WAITING_MAX, what="downloads"
+        )
         self._command = command
 
     def start(self, request: bytes, *, owner: str) -> "Conversion":
@@ -73,7 +75,7 @@ class Conversions:
 
         Raises
         ------
-        PlacesBusy
+        SlotsBusy
             There was no place in time.
         """
         held = ExitStack()

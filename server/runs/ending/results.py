@@ -18,7 +18,8 @@ from seamark.server.runs.publication.publications import Terms
 from seamark.server.runs.queue import paces
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.recomputation import rejudged, verifications
-from seamark.server.runs.record import connected, method_names
+from seamark.server.runs.record import method_names
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import LIVE, RunKind, RunState, move
 from seamark.server.runs.record.trial_scores import trial_scores
 from seamark.sim.engine.seeds import REFERENCE
@@ -90,10 +91,11 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     )
     session.flush()
     assignments.score(session, claim.run_id, score)
-    if report.state is RunState.SUCCEEDED and claim.controller != connected.ROSBRIDGE:
+    if report.state is RunState.SUCCEEDED and claim.controller != ROSBRIDGE:
         _record_pace(session, claim.run_id)
     best_runs.recount(session, claim.run_id)
-    _publish_baseline(session, claim, report)
+    if is_baseline and report.state is RunState.SUCCEEDED:
+        _publish_baseline(session, claim)
     rejudged.compare(session, claim.run_id)
     verifications.record(session, claim.run_id)
     return True
@@ -164,9 +166,8 @@ def _is_baseline(session: Session, claim: Claim) -> bool:
     return bool(session.scalar(owner.where(Run.id == claim.run_id)))
 
 
-def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
-    """Baselines are for everybody to compare with: public as soon as they have succeeded."""
-    if report.state is RunState.SUCCEEDED and _is_baseline(session, claim):
-        run = session.get_one(Run, claim.run_id)
-        name = method_names.suggested(run, title=run.title)
-        publications.publish(session, run.id, Terms(method=name))
+def _publish_baseline(session: Session, claim: Claim) -> None:
+    """Publish a baseline as soon as it has succeeded: it is for everybody to compare with."""
+    run = session.get_one(Run, claim.run_id)
+    name = method_names.suggested(run, title=run.title)
+    publications.publish(session, run.id, Terms(method=name))

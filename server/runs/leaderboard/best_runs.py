@@ -4,16 +4,19 @@ Whoever changes what a rank follows from calls `refresh` or `recount` in the sam
 """
 
 from collections import Counter
+from collections.abc import Mapping
+from typing import Any
 
 from sqlalchemy import ColumnElement, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
-from seamark.server.runs.leaderboard import board_metrics, leaderboard, rank_history, score_counts
+from seamark.server.runs.leaderboard import leaderboard, rank_history, score_counts
 from seamark.server.runs.record import solutions
 from seamark.server.runs.record.states import RunKind, RunState, ranked_ended
 from seamark.server.runs.record.trial_scores import error_of_score
+from seamark.sim import registry
 
 LABEL_MAX = 40  # [character] of a vehicle or tracker
 
@@ -56,7 +59,7 @@ def complete_metrics(session: Session, limit: int = 200) -> int:
     missing = select(Best, Result.metrics).join(Result, Result.run_id == Best.run_id)
     found = session.execute(missing.where(Best.metrics.is_(None)).limit(limit)).all()
     for best, metrics in found:
-        best.metrics = board_metrics.values(best.benchmark, metrics)
+        best.metrics = _board_values(best.benchmark, metrics)
     return len(found)
 
 
@@ -142,5 +145,11 @@ def _best(run: Run, result: Result, is_baseline: bool) -> Best:
         language=run.language or "",
         vehicle=str(run.config.get("vehicle", ""))[:LABEL_MAX],
         tracker=solutions.built_in_tracker(run)[:LABEL_MAX],
-        metrics=board_metrics.values(run.benchmark, result.metrics),
+        metrics=_board_values(run.benchmark, result.metrics),
     )
+
+
+def _board_values(benchmark: str, metrics: Mapping[str, Any] | None) -> dict[str, float]:
+    if metrics is None or benchmark not in registry.BENCHMARKS:
+        return {}
+    return registry.benchmark(benchmark).board_values(metrics)

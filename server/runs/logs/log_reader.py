@@ -9,7 +9,7 @@ from seamark.mission_logs.limited import measure_limited
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
-from seamark.server.programs.fair_places import FairPlaces
+from seamark.server.programs.fair_semaphore import FairSemaphore
 
 PLACES = 2  # logs that one web process has measured at the same time; the others wait
 WAIT_S = 20.0  # for a place
@@ -25,7 +25,7 @@ class LogReader:
     """The places of one web process."""
 
     def __init__(self) -> None:
-        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX, what="logs")
+        self._places = FairSemaphore(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX, what="logs")
 
     def read(
         self,
@@ -59,7 +59,7 @@ class LogReader:
         ------
         LogRefused
             The log cannot be read or measured, or costs too much.
-        PlacesBusy
+        SlotsBusy
             There was no place in time.
         """
         suffix = Path(filename[-100:].lower()).suffix

@@ -10,8 +10,7 @@ just now, after which the next owner is in turn. Where that owner would be first
 claim has to wait.
 """
 
-from collections.abc import Collection, Iterator
-from typing import Any
+from collections.abc import Collection
 
 from sqlalchemy import (
     ColumnElement,
@@ -25,11 +24,12 @@ from sqlalchemy import (
     select,
     true,
 )
-from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
+from sqlalchemy.orm import Session, aliased
 
 from seamark.server.database.advisory_locks import AdvisoryLock, try_acquire
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, Run
+from seamark.server.runs.queue import order
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.turns import Priority
 
@@ -58,10 +58,6 @@ def _may_start(turn: type[Turn]) -> list[ColumnElement[bool]]:
     ]
 
 
-def _order_of(turn: type[Turn]) -> tuple[InstrumentedAttribute[Any], ...]:
-    return (turn.running, turn.served_at, turn.next_run)
-
-
 def _locking() -> Select[str, str]:
     """Lock the row of the owner whose turn it is; select the owner, and another one to wait for.
 
@@ -69,13 +65,13 @@ def _locking() -> Select[str, str]:
     the same one if the row has changed since the order was looked at.
     """
     first = select(Turn.owner, Turn.running, Turn.served_at).where(*_may_start(Turn))
-    first = first.order_by(*_order_of(Turn)).limit(1).with_for_update(skip_locked=True)
+    first = first.order_by(*order.columns(Turn)).limit(1).with_for_update(skip_locked=True)
     mine, one = first.cte("mine"), select(literal(1)).subquery("one")
     seen, other = aliased(Turn, name="seen"), aliased(Turn, name="other")
     changed = or_(seen.running != mine.c.running, seen.served_at != mine.c.served_at)
     running = func.coalesce(mine.c.running, _MANY)
     ahead = select(other.owner).where(*_may_start(other), other.running < running - 1)
-    ahead = ahead.order_by(*_order_of(other)).limit(1).correlate(mine)
+    ahead = ahead.order_by(*order.columns(other)).limit(1).correlate(mine)
     taken = func.coalesce(ahead.scalar_subquery(), case((changed, mine.c.owner)))
     found = one.outerjoin(mine, true()).outerjoin(seen, seen.owner == mine.c.owner)
     return select(mine.c.owner, taken).select_from(found)
@@ -126,7 +122,7 @@ def find(
         The caller has to end the transaction, to wait for the owner and to try again.
     """
     suitable = {"languages": sorted(languages)}
-    for priority in _order(guests_first=guests_first):
+    for priority in order.priorities(guests_first=guests_first):
         if priority is Priority.BASELINE and not _baseline_may_start(session):
             continue
         bound = suitable | {"priority": int(priority), "limit": limit}
@@ -141,14 +137,6 @@ def find(
         if patient:
             raise TurnTaken(owner)
     return None
-
-
-def _order(*, guests_first: bool) -> Iterator[Priority]:
-    if guests_first:
-        yield Priority.GUEST
-    for priority in Priority:
-        if not (guests_first and priority is Priority.GUEST):
-            yield priority
 
 
 def _baseline_may_start(session: Session) -> bool:

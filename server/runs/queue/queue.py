@@ -29,11 +29,11 @@ from seamark.server.database.result_code import result_code
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.messaging import workers
 from seamark.server.monitoring import meters
-from seamark.server.runs.queue import guest_share, next_in_turn
-from seamark.server.runs.queue.guest_share import GUEST_SHARE
+from seamark.server.runs.queue import next_in_turn, order
 from seamark.server.runs.queue.next_in_turn import TurnTaken
-from seamark.server.runs.record import connected, totals, turns
+from seamark.server.runs.record import totals, turns
 from seamark.server.runs.record.columns import RunSpec
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunState, move
 from seamark.server.runs.record.turns import Priority, TurnKept
 from seamark.server.settings import Settings
@@ -94,7 +94,7 @@ def _situation() -> Select[bool, str | None, int | None, float, bool]:
         workers.drained(),
         data_folder.CURRENT_CODE,
         workers.slots(),
-        guest_share.stored(),
+        order.stored_passed_over(),
         guests_wait.exists(),
     )
 
@@ -112,12 +112,8 @@ def claim(
 ) -> Claim | None:
     """Claim the queued run whose turn it is and that this worker can evaluate; None without one.
 
-    1. Only owners below the limit of running runs; of each owner only the oldest queued run.
-    2. Accounts come first, then guests, then baselines, then rejudgements. Among these the owner
-       with the fewest running runs, then the one whose last run started longest ago, then the
-       oldest run.
-    3. After `GUEST_SHARE` runs of accounts while guests wait, a guest's run starts. So guests
-       wait longer, but not for ever.
+    Only owners below the limit of running runs have their turn, in the order of `order`; of each
+    owner only the oldest queued run starts.
 
     A drained worker gets none, nor does one that would compute something else than the version
     to which the database was upgraded last.
@@ -166,7 +162,9 @@ def try_claim(
     if drained or code not in (None, result_code()):
         return None
     passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
-    guests_first = passed_over >= GUEST_SHARE and try_acquire(session, AdvisoryLock.GUEST_TURN)
+    guests_first = passed_over >= order.GUEST_SHARE and try_acquire(
+        session, AdvisoryLock.GUEST_TURN
+    )
     found = next_in_turn.find(session, languages, limit, guests_first=guests_first, patient=patient)
     if found is None:
         return None
@@ -175,9 +173,9 @@ def try_claim(
     if run is None:  # only where the run was not locked, on SQLite, and there nobody else writes
         return None
     if run.attempt == 1:  # a repeated run has kept its time of submission
-        waiting = meters.RUN_WAITING.labels(priority.lane)
+        waiting = meters.RUN_WAITING.labels(priority.label)
         after_commit(session, partial(waiting.observe, max(time.time() - run.queued_at, 0.0)))
-    guest_share.count(session, run.owner, run_id, before=passed_over, guests_wait=guests)
+    order.count_start(session, run.owner, run_id, before=passed_over, guests_wait=guests)
     return _claim_of(run, run_id, settings)
 
 
@@ -350,7 +348,7 @@ def _requeue_or_fail(
         "interruptions": run.interruptions + (end in _INTERRUPTIONS),
     }
     # The program at the other end of a connection does not know that its run would start again.
-    sentence = _DISCONNECTED if run.controller == connected.ROSBRIDGE else ""
+    sentence = _DISCONNECTED if run.controller == ROSBRIDGE else ""
     repeats = counts["failures"] < settings.attempts_max
     repeats = repeats and counts["interruptions"] < INTERRUPTIONS_MAX and not sentence
     new = RunState.QUEUED if repeats else RunState.FAILED

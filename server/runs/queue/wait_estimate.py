@@ -6,19 +6,19 @@ changes only when the queue does.
 """
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import and_, case, func, or_, select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from seamark.programs import parameters
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.messaging import workers
-from seamark.server.runs.queue import forecast, guest_share, paces, queue
+from seamark.server.runs.queue import forecast, order, paces, queue
 from seamark.server.runs.queue.forecast import Job, Places
-from seamark.server.runs.record import connected, turns
+from seamark.server.runs.record import turns
+from seamark.server.runs.record.solutions import IS_CONNECTED
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.record.turns import Priority
 from seamark.server.settings import Settings
@@ -90,30 +90,22 @@ def _ahead(session: Session, mine: Turn, own: _Work) -> _Work:
         Priority(number): _Work(runs, wall_s) for number, runs, wall_s in session.execute(others)
     }
     accounts, guests = (waiting.get(p, _NOTHING) for p in (Priority.ACCOUNT, Priority.GUEST))
-    passed_over = guest_share.passed_over(session)
+    passed_over = order.passed_over(session)
     if mine.priority == Priority.ACCOUNT:
-        return ahead + guests.first((ahead.runs + passed_over) // guest_share.GUEST_SHARE)
+        return ahead + guests.first(order.guests_among(ahead.runs, passed_over=passed_over))
     if mine.priority == Priority.GUEST:
-        return ahead + accounts.first(guest_share.GUEST_SHARE * (ahead.runs + 1) - passed_over)
+        return ahead + accounts.first(order.accounts_before(ahead.runs, passed_over=passed_over))
     return ahead + accounts + guests
 
 
 def _of_equals(session: Session, mine: Turn, before: int) -> _Work:
-    """Return the runs of other owners of the same priority that start before `mine` + `before`.
-
-    In rounds: the first run of every owner, then the second of every owner, and so on.
-    """
-    served_earlier = or_(
-        Turn.served_at < mine.served_at,
-        and_(Turn.served_at == mine.served_at, Turn.next_run < mine.next_run),
-    )
-    rounds = mine.running + before - Turn.running + case((served_earlier, 1), else_=0)
-    count = case((rounds <= 0, 0), (rounds >= Turn.queued, Turn.queued), else_=rounds)
+    """Return the runs of other owners of the same priority that start before `mine` + `before`."""
+    count = order.runs_before(mine, before)
     others = select(func.sum(count), func.sum(count * Turn.expected_s / Turn.queued)).where(
         turns.IS_WAITING, Turn.priority == mine.priority, Turn.owner != mine.owner
     )
     runs, wall_s = session.execute(others).one()
-    return _Work(runs or 0, wall_s or 0.0)
+    return _Work(runs or 0, float(wall_s or 0.0))
 
 
 def _until_start_s(
@@ -123,7 +115,7 @@ def _until_start_s(
     now = time.time()
     running = [
         (run.owner, _left_s(run, now, settings, run.expected_s) or 0.0)
-        for run in session.scalars(select(Run).where(IS_RUNNING, ~connected.IS_CONNECTED))
+        for run in session.scalars(select(Run).where(IS_RUNNING, ~IS_CONNECTED))
     ]
     limit = queue.running_limit(session, settings)
     places = Places(workers.slot_count(session), running, limit)
@@ -134,12 +126,12 @@ def _until_start_s(
 
 def _jobs(session: Session, mine: Turn, ahead: _Work, own: _Work) -> list[Job]:
     """Return the runs ahead in the order in which they start, each as long as its owner's mean."""
-    last = (mine.running + own.runs, mine.served_at, mine.next_run or 0)
+    last = order.key(mine, own.runs)
     equals = select(Turn).where(
-        turns.IS_WAITING, Turn.priority == mine.priority, Turn.running <= last[0]
+        turns.IS_WAITING, Turn.priority == mine.priority, Turn.running <= mine.running + own.runs
     )
     in_order = sorted(
-        ((turn.running + number, turn.served_at, turn.next_run or 0), turn.owner, turn.mean_s)
+        (order.key(turn, number), turn.owner, turn.mean_s)
         for turn in session.scalars(equals)
         for number in range(turn.queued)
     )
@@ -148,21 +140,9 @@ def _jobs(session: Session, mine: Turn, ahead: _Work, own: _Work) -> list[Job]:
     if others <= 0:
         return jobs
     rest = [(forecast.OTHERS, (ahead.wall_s - sum(mean_s for _, mean_s in jobs)) / others)] * others
-    if mine.priority == Priority.ACCOUNT:
-        return _in_shares(session, accounts=jobs, guests=rest)
-    return _in_shares(session, accounts=rest, guests=jobs)
-
-
-def _in_shares(session: Session, *, accounts: Sequence[Job], guests: Sequence[Job]) -> list[Job]:
-    """Return the runs of accounts with those of guests between them."""
-    passed_over, order, left = guest_share.passed_over(session), list[Job](), [*guests]
-    for job in accounts:
-        if left and passed_over >= guest_share.GUEST_SHARE:
-            order.append(left.pop(0))
-            passed_over = 0
-        order.append(job)
-        passed_over += 1
-    return order + left
+    accounts, guests = (jobs, rest) if mine.priority == Priority.ACCOUNT else (rest, jobs)
+    passed_over = order.passed_over(session)
+    return list(order.in_shares(accounts, guests, passed_over=passed_over))
 
 
 def _expected_s(session: Session, run: Run) -> float | None:
@@ -201,7 +181,7 @@ def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: 
         return "No worker is running. The run starts as soon as one is available."
     if obstacle := _obstacle(session, run, settings):
         return obstacle
-    mine = (Run.owner == run.owner, IS_RUNNING, ~connected.IS_CONNECTED)
+    mine = (Run.owner == run.owner, IS_RUNNING, ~IS_CONNECTED)
     running = session.scalar(select(func.count()).select_from(Run).where(*mine)) or 0
     if running >= queue.running_limit(session, settings):
         one = "your run" if running == 1 else f"one of your {running} runs"

@@ -1,10 +1,17 @@
-"""What the solution of a run is called."""
+"""What the solution of a run is called: a built-in one, an uploaded program, or a connected one.
+
+Nobody can compute a run again whose program was connected over the network.
+"""
 
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from seamark.server.runs.record import connected
+from seamark.server.database.tables import Run
 from seamark.sim import registry
+
+ROSBRIDGE = "rosbridge"  # the controller of a run whose program was connected
+IS_CONNECTED = Run.controller == ROSBRIDGE
+_CONNECTED = "ROS program (rosbridge)"
 
 
 class HasSolution(Protocol):
@@ -47,8 +54,8 @@ def solution(run: HasSolution) -> str:
     """Return the name of the program, or the label of the built-in solution."""
     if run.program_name:
         return run.program_name
-    if run.controller == connected.ROSBRIDGE:
-        return connected.LABEL
+    if run.controller == ROSBRIDGE:
+        return _CONNECTED
     if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
         return run.controller
     return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)

@@ -29,7 +29,7 @@ from seamark.server.accounts.permissions import GUESTS, REJUDGEMENTS
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run, User
 from seamark.server.database.upsert import upsert
-from seamark.server.runs.record import connected
+from seamark.server.runs.record.solutions import IS_CONNECTED
 
 _NONE = literal(0, literal_execute=True)  # in the statement itself, as in the partial indexes
 IS_SERVED = Turn.running > _NONE
@@ -62,7 +62,7 @@ class Priority(IntEnum):
     REJUDGEMENT = 3
 
     @property
-    def lane(self) -> str:
+    def label(self) -> str:
         """What operators call the runs of this priority."""
         return self.name.lower()
 
@@ -71,7 +71,7 @@ def _counting() -> Update:
     owner = bindparam("this", type_=String)
     queued = (Run.owner == owner, IS_QUEUED)
     # Connected programs have places of their own, which no other run could have.
-    running = (Run.owner == owner, IS_RUNNING, ~connected.IS_CONNECTED)
+    running = (Run.owner == owner, IS_RUNNING, ~IS_CONNECTED)
     counted = {
         "queued": select(func.count()).select_from(Run).where(*queued),
         "running": select(func.count()).select_from(Run).where(*running),
@@ -112,16 +112,16 @@ def serve_first(session: Session, owner: str) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Lane:
-    """What waits in one lane of the queue."""
+class PriorityLoad:
+    """What waits of one priority."""
 
     name: str
     queued: int
     oldest_at: float | None  # None: nothing waits
 
 
-def lanes(session: Session) -> list[Lane]:
-    """Return what waits in each lane, at the cost of a row for each owner who waits."""
+def loads(session: Session) -> list[PriorityLoad]:
+    """Return what waits of each priority, at the cost of a row for each owner who waits."""
     queued_at = select(Run.queued_at).where(Run.id == Turn.next_run).scalar_subquery()
     waiting = (
         select(Turn.priority, func.sum(Turn.queued), func.min(queued_at))
@@ -129,7 +129,7 @@ def lanes(session: Session) -> list[Lane]:
         .group_by(Turn.priority)
     )
     found = {priority: rest for priority, *rest in session.execute(waiting)}
-    return [Lane(each.lane, *found.get(int(each), (0, None))) for each in Priority]
+    return [PriorityLoad(each.label, *found.get(int(each), (0, None))) for each in Priority]
 
 
 def rebuild(session: Session) -> None:

@@ -1,16 +1,48 @@
 """How much the scores of two runs differ, paired where their trials are in the same water."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
+from seamark.server.runs.record.seeds import Seeded
+from seamark.server.runs.record.solutions import HasSolution
 from seamark.server.runs.record.trial_scores import block_of, trial_scores
-from seamark.server.runs.showing.compared_run import ComparedRun, SeedsOf
 from seamark.sim import registry
 from seamark.sim.engine.seeds import FRESH
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.statistics import difference_interval, mean, paired_interval
+
+
+class ComparedRun(Seeded, HasSolution, Protocol):
+    """A run that is compared with others: the view of one on a server, or a local result."""
+
+    @property
+    def id(self) -> int:
+        """Its number."""
+
+    @property
+    def kind(self) -> str:
+        """Practice or ranked."""
+
+    @property
+    def state(self) -> str:
+        """How far it is."""
+
+    @property
+    def trials(self) -> int:
+        """The number of trials."""
+
+    @property
+    def score(self) -> float | None:
+        """The score; None before the end, and if it failed."""
+
+    @property
+    def metrics(self) -> Mapping[str, Any] | None:
+        """What metrics.json has; None without a score."""
+
+
+SeedsOf = Callable[[ComparedRun], Callable[[int], int]]  # run -> trial -> seed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

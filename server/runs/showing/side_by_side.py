@@ -8,9 +8,10 @@ from typing import Any
 from seamark.programs.parameters import KEY, split
 from seamark.programs.setting_values import in_effect, label_of, text_of
 from seamark.server.runs.record.solutions import solution
-from seamark.server.runs.showing.compared_run import ComparedRun, SeedsOf
 from seamark.server.runs.showing.score_differences import (
+    ComparedRun,
     ScoreDifference,
+    SeedsOf,
     differing_scenario,
     headline_of,
     score_difference,

@@ -30,9 +30,10 @@ from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.data import run_size
 from seamark.server.runs.data.run_size import RunSize
 from seamark.server.runs.queue import paces
-from seamark.server.runs.record import anonymity, connected, seeds, turns
+from seamark.server.runs.record import anonymity, seeds, turns
 from seamark.server.runs.record.run_notes import clean_notes, clean_title
 from seamark.server.runs.record.seeds import submission_digest
+from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.submission import quota, ranked_scenario
 from seamark.server.settings import Settings
@@ -79,7 +80,7 @@ class Submission:
     rerun_of: int | None = None
     assignment: int | None = None  # of a class, for which the run is to count
     baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
-    connected: bool = False  # its program takes part over the network, see `connected`
+    connected: bool = False  # its program takes part over the network, see `solutions`
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +203,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
     old = session.get_one(Run, run_id)
     if old.kind == RunKind.LOG:
         raise SubmissionRejected("This is the log of a mission, which cannot be run again.")
-    if old.controller == connected.ROSBRIDGE:
+    if old.controller == ROSBRIDGE:
         raise SubmissionRejected(
             "The program of this run was connected by rosbridge: connect it again."
         )

@@ -17,7 +17,7 @@ from seamark.server.messaging import broker
 from seamark.server.programs import check_queue
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.queue import start_order
-from seamark.server.runs.queue.guest_share import GUEST_SHARE
+from seamark.server.runs.queue.order import GUEST_SHARE
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.submission import baselines

@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
 
-from seamark.server.programs.fair_places import ALL_WAITING_MAX, FairPlaces, PlacesBusy
+from seamark.server.programs.fair_semaphore import ALL_WAITING_MAX, FairSemaphore, SlotsBusy
 
 LONG_S = 60.0  # until a thread has been scheduled on a busy machine
 
@@ -16,7 +16,7 @@ LONG_S = 60.0  # until a thread has been scheduled on a busy machine
 class Uploads:
     """Uploads in threads: each holds its place until it is told to end."""
 
-    def __init__(self, places: FairPlaces) -> None:
+    def __init__(self, places: FairSemaphore) -> None:
         self.places, self.started = places, list[str]()
         self._ends: dict[str, threading.Event] = {}
         self._threads = ThreadPoolExecutor(16)
@@ -45,12 +45,12 @@ def _eventually(condition: Callable[[], bool]) -> None:
         time.sleep(0.005)
 
 
-def _waits(places: FairPlaces, owner: str, threads: int) -> Callable[[], bool]:
+def _waits(places: FairSemaphore, owner: str, threads: int) -> Callable[[], bool]:
     return lambda: places._waiting.get(owner, 0) == threads
 
 
 def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> None:
-    places = FairPlaces(2, wait_s=LONG_S, waiting_max=3, what="uploads")
+    places = FairSemaphore(2, wait_s=LONG_S, waiting_max=3, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
@@ -76,14 +76,14 @@ def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> 
 
 
 def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
-    places = FairPlaces(1, wait_s=LONG_S, waiting_max=1, what="uploads")
+    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
     waiting = uploads.begin("a2")
     _eventually(_waits(places, "a", 1))
 
-    with pytest.raises(PlacesBusy, match="1 uploads of yours wait already") as busy:
+    with pytest.raises(SlotsBusy, match="1 uploads of yours wait already") as busy:
         uploads.begin("a3").result(LONG_S)
     assert busy.value.own
 
@@ -93,7 +93,7 @@ def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
 
 
 def test_many_owners_leave_threads_for_the_pages() -> None:
-    places = FairPlaces(1, wait_s=LONG_S, waiting_max=2, what="uploads")
+    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=2, what="uploads")
     uploads = Uploads(places)
     uploads.begin("A1")
     _eventually(lambda: uploads.started == ["A1"])
@@ -102,7 +102,7 @@ def test_many_owners_leave_threads_for_the_pages() -> None:
         uploads.begin(f"{owner}1")
         _eventually(_waits(places, owner, 1))
 
-    with pytest.raises(PlacesBusy, match=f"{ALL_WAITING_MAX} uploads wait already") as busy:
+    with pytest.raises(SlotsBusy, match=f"{ALL_WAITING_MAX} uploads wait already") as busy:
         uploads.begin("z1").result(LONG_S)
     assert busy.value.retry_after_s == ALL_WAITING_MAX + 1
 
@@ -111,12 +111,12 @@ def test_many_owners_leave_threads_for_the_pages() -> None:
 
 
 def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> None:
-    places = FairPlaces(1, wait_s=0.01, waiting_max=3, what="uploads")
+    places = FairSemaphore(1, wait_s=0.01, waiting_max=3, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
 
-    with pytest.raises(PlacesBusy):
+    with pytest.raises(SlotsBusy):
         uploads.begin("b1").result(LONG_S)
 
     assert _waits(places, "b", 0)()
@@ -124,7 +124,7 @@ def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> N
 
 
 def test_an_owner_is_told_to_wait_for_the_turns_of_the_others_too() -> None:
-    places = FairPlaces(1, wait_s=LONG_S, waiting_max=1, what="uploads")
+    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
     uploads = Uploads(places)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
@@ -132,7 +132,7 @@ def test_an_owner_is_told_to_wait_for_the_turns_of_the_others_too() -> None:
         uploads.begin(f"{owner}2")
         _eventually(_waits(places, owner, 1))
 
-    with pytest.raises(PlacesBusy) as busy:
+    with pytest.raises(SlotsBusy) as busy:
         uploads.begin("a3").result(LONG_S)
 
     assert busy.value.retry_after_s == 2 * 3  # two turns of three owners, of a second each

@@ -1,25 +1,67 @@
-"""A place for downloads that are made while they are sent; who takes one too slowly loses it.
+"""Readers of downloads that take too long: they lose their slot or their process.
 
 Otherwise a single reader of a few bytes a minute would keep everybody else waiting.
 """
 
+import signal
 import threading
 import time
 from collections.abc import Callable, Generator
+from typing import Any, BinaryIO
 
-from seamark.server.runs.downloads.paced_output import PACE_BYTES_S, PATIENCE_S
+PATIENCE_S = 60.0  # for a reader who takes nothing, and
+PACE_BYTES_S = 50_000.0  # this much longer for what it has taken
 
 
-class PlaceTaken(Exception):
-    """Another download has the place; try again."""
+class DeadlineOutput:
+    """A file for writing; SIGALRM ends the process if its reader is too slow.
+
+    What counts is the time in which a write waits for the reader, not that in between.
+    """
+
+    closed = False
+
+    def __init__(
+        self, file: BinaryIO, *, patience_s: float = PATIENCE_S, pace_bytes_s: float = PACE_BYTES_S
+    ) -> None:
+        self._file = file
+        self._patience_s, self._pace_bytes_s = patience_s, pace_bytes_s
+        self._waited_s = 0.0
+        self._written = 0
+
+    def write(self, data: Any) -> int:
+        """Write all of the data."""
+        left_s = self._patience_s + self._written / self._pace_bytes_s - self._waited_s
+        signal.setitimer(signal.ITIMER_REAL, max(left_s, 1e-3))  # 0 would mean no alarm
+        began_at = time.monotonic()
+        count = self._file.write(data)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        self._waited_s += time.monotonic() - began_at
+        self._written += count
+        return count
+
+    def tell(self) -> int:
+        """Return how much was written."""
+        return self._written
+
+    def flush(self) -> None:
+        """Pass on what was written."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Do nothing: the process ends."""
+
+
+class SlotTaken(Exception):
+    """Another download has the slot; try again."""
 
 
 class ReaderTooSlow(Exception):
-    """The place was given to somebody else while the reader took nothing."""
+    """The slot was given to somebody else while the reader took nothing."""
 
 
-class PacedPlace:
-    """One place; `clock` [s] tells how long a reader has kept its download waiting."""
+class DownloadSlot:
+    """A slot for one download at a time; `clock` [s] measures how long its reader takes nothing."""
 
     def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -27,11 +69,11 @@ class PacedPlace:
         self._download: Download | None = None
 
     def take(self) -> "Download":
-        """Return a download without pieces, which has the place; raises PlaceTaken."""
+        """Return a download without pieces, which has the slot; raises SlotTaken."""
         with self._lock:
             if self._download is not None:
                 if not self._download.is_too_slow():
-                    raise PlaceTaken
+                    raise SlotTaken
                 self._download.lose()
             self._download = Download(self._lock, self._clock, self._give_back)
             return self._download
@@ -43,9 +85,9 @@ class PacedPlace:
 
 
 class Download:
-    """The pieces of one file; `close` gives the place back, whether it was read or not.
+    """The pieces of one file; `close` gives the slot back, whether it was read or not.
 
-    Its pieces are made in one thread at a time, while the place may be taken in others.
+    Its pieces are made in one thread at a time, while the slot may be taken in others.
     """
 
     def __init__(
@@ -85,7 +127,7 @@ class Download:
         return piece
 
     def close(self) -> None:
-        """Stop, and give the place back."""
+        """Stop, and give the slot back."""
         if self._pieces is not None:
             self._pieces.close()
         self._give_back(self)

@@ -14,19 +14,19 @@ from seamark.server.messaging.workers import WorkerStatus
 
 
 @dataclass(frozen=True, slots=True)
-class FleetWorker:
+class ListedWorker:
     """A worker with its runs."""
 
     status: WorkerStatus
     runs: Sequence[LiveRun]
 
 
-def listed(session: Session) -> list[FleetWorker]:
+def listed(session: Session) -> list[ListedWorker]:
     """Return all workers that were seen in the last day, by name."""
     runs = dict[str, list[LiveRun]]()
     for run in live_runs.running(session):
         runs.setdefault(run.worker or "", []).append(run)
-    return [FleetWorker(each, runs.get(each.name, ())) for each in workers.listed(session)]
+    return [ListedWorker(each, runs.get(each.name, ())) for each in workers.listed(session)]
 
 
 def drain(session: Session, actor: Actor, name: str) -> bool:

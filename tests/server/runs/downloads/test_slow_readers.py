@@ -4,12 +4,12 @@ from collections.abc import Generator
 
 import pytest
 
-from seamark.server.runs.downloads.paced_output import PATIENCE_S
-from seamark.server.runs.downloads.paced_place import (
+from seamark.server.runs.downloads.slow_readers import (
+    PATIENCE_S,
     Download,
-    PacedPlace,
-    PlaceTaken,
+    DownloadSlot,
     ReaderTooSlow,
+    SlotTaken,
 )
 
 
@@ -30,7 +30,7 @@ def _pieces(closed: list[str], name: str) -> Generator[bytes, None, None]:
         closed.append(name)
 
 
-def _taken(place: PacedPlace, closed: list[str], name: str) -> Download:
+def _taken(place: DownloadSlot, closed: list[str], name: str) -> Download:
     download = place.take().of(_pieces(closed, name))
     next(download)
     return download
@@ -38,10 +38,10 @@ def _taken(place: PacedPlace, closed: list[str], name: str) -> Download:
 
 def test_a_reader_who_takes_nothing_loses_the_place_and_its_memory_to_the_next() -> None:
     clock, closed = Clock(), list[str]()
-    place = PacedPlace(clock=clock)
+    place = DownloadSlot(clock=clock)
     slow = _taken(place, closed, "slow")
     clock.now_s = PATIENCE_S - 1.0
-    with pytest.raises(PlaceTaken):
+    with pytest.raises(SlotTaken):
         place.take()
 
     clock.now_s = PATIENCE_S + 1.0
@@ -51,7 +51,7 @@ def test_a_reader_who_takes_nothing_loses_the_place_and_its_memory_to_the_next()
     with pytest.raises(ReaderTooSlow):
         next(slow)
     slow.close()
-    with pytest.raises(PlaceTaken):
+    with pytest.raises(SlotTaken):
         place.take()
     following.close()
     assert closed == ["slow", "following"]
@@ -59,7 +59,7 @@ def test_a_reader_who_takes_nothing_loses_the_place_and_its_memory_to_the_next()
 
 def test_a_reader_who_takes_a_piece_now_and_then_loses_it_as_well() -> None:
     clock, closed = Clock(), list[str]()
-    place = PacedPlace(clock=clock)
+    place = DownloadSlot(clock=clock)
     slow = _taken(place, closed, "slow")
 
     for at in range(8):
@@ -72,12 +72,12 @@ def test_a_reader_who_takes_a_piece_now_and_then_loses_it_as_well() -> None:
 
 def test_a_reader_who_reads_keeps_the_place_however_long_the_pieces_take() -> None:
     clock, closed = Clock(), list[str]()
-    place = PacedPlace(clock=clock)
+    place = DownloadSlot(clock=clock)
 
     def pieces() -> Generator[bytes, None, None]:
         for _ in range(10):
             clock.now_s += PATIENCE_S
-            with pytest.raises(PlaceTaken):
+            with pytest.raises(SlotTaken):
                 place.take()
             yield bytes(1000)
         closed.append("all")

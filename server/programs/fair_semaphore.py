@@ -12,7 +12,7 @@ _FIRST_HELD_S = 1.0  # how long a place is held, before any was
 _NEWEST = 0.2  # weight of the newest place in the average
 
 
-class PlacesBusy(Exception):
+class SlotsBusy(Exception):
     """There was no place in time, or too many wait already. The text is for the user.
 
     Attributes
@@ -28,7 +28,7 @@ class PlacesBusy(Exception):
         self.retry_after_s, self.own = retry_after_s, own
 
 
-class FairPlaces:
+class FairSemaphore:
     """A number of places; whoever waits longest among the owners without one gets the next.
 
     Parameters
@@ -52,7 +52,7 @@ class FairPlaces:
 
     @contextmanager
     def taken(self, owner: str) -> Iterator[None]:
-        """Hold a place; raises PlacesBusy without one."""
+        """Hold a place; raises SlotsBusy without one."""
         with self._changed:
             own, everybody = self._waiting.get(owner, 0), sum(self._waiting.values())
             if own >= self._waiting_max:
@@ -75,7 +75,7 @@ class FairPlaces:
                 self._busy.remove(owner)
                 self._changed.notify_all()
 
-    def _too_late(self, owner: str) -> PlacesBusy:
+    def _too_late(self, owner: str) -> SlotsBusy:
         """Return the refusal of one that has waited for as long as it may."""
         if owner in self._busy:
             sentence = f"One of your {self._what} had your place for {self._wait_s:g} s."
@@ -83,13 +83,13 @@ class FairPlaces:
         sentence = f"Other {self._what} had all places for {self._wait_s:g} s."
         return self._refused(sentence, sum(self._waiting.values()))
 
-    def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> PlacesBusy:
+    def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> SlotsBusy:
         """Return the refusal of one more behind those that wait."""
         owners = len({*self._waiting, *self._busy})
         # An owner has one place at a time, and in turns with the others.
         places = min(self._count / max(owners, 1), 1.0) if own else self._count
         after_s = math.ceil((waiting + 1) * self._held_s / places)
-        return PlacesBusy(sentence, retry_after_s=min(max(after_s, 1), RETRY_MAX_S), own=own)
+        return SlotsBusy(sentence, retry_after_s=min(max(after_s, 1), RETRY_MAX_S), own=own)
 
     def _is_next(self, owner: str) -> bool:
         free = len(self._busy) < self._count

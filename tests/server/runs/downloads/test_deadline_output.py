@@ -8,9 +8,9 @@ import time
 
 PROGRAM = """
 import sys
-from seamark.server.runs.downloads.paced_output import PacedOutput
+from seamark.server.runs.downloads.slow_readers import DeadlineOutput
 
-output = PacedOutput(sys.stdout.buffer, patience_s=0.3, pace_bytes_s=1e6)
+output = DeadlineOutput(sys.stdout.buffer, patience_s=0.3, pace_bytes_s=1e6)
 for _ in range(30):
     output.write(b"x" * 100_000)
 """
