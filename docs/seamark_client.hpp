@@ -67,18 +67,18 @@ public:
         while (!server_.empty() && server_.back() == '/') server_.pop_back();
     }
 
-    // Order a run of a built-in controller: {"benchmark": ..., "controller": ..., "config": {...},
+    // Submit a run of a built-in controller: {"benchmark": ..., "controller": ..., "config": {...},
     // "seed": ...}, as POST /api/v1/runs takes it.
-    Run submit(const Json& order) const {
+    Run submit(const Json& specification) const {
         Request request("POST", "/runs");
-        request.body = order.dump();
+        request.body = specification.dump();
         return submitted(std::move(request));
     }
 
-    // Order a run of a program in a file.
-    Run submit(const Json& order, const std::string& program_path) const {
+    // Submit a run of a program in a file.
+    Run submit(const Json& specification, const std::string& program_path) const {
         Request request("POST", "/runs");
-        request.body = order.dump();
+        request.body = specification.dump();
         request.program_path = program_path;
         return submitted(std::move(request));
     }

@@ -35,7 +35,7 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "storage_secret_key": "none",
     "url": "none",
     "embed_origins": "none",
-    "workers": "one per core, at least 2: reference entries leave a place free",
+    "workers": "one per core, at least 2: reference entries leave a slot free",
     "metrics": "`local`; `token` if there is one",
     "metrics_token": "none",
     "mail_url": "none: nothing is sent",
@@ -71,9 +71,11 @@ class Settings(BaseModel):
     broker_url: str = Field(
         "", description="redis:// or unix:// URL of Redis 7 or later, or Valkey"
     )
-    secret_key: str = Field("", repr=False, description="Signs cookies; may be changed at any time")
+    secret_key: str = Field(
+        "", repr=False, description="Signs cookies; you may change it at any time"
+    )
     seed_key: str = Field(
-        "", repr=False, description="Derives the seeds of ranked runs; never to be changed"
+        "", repr=False, description="Derives the seeds of ranked runs; never change it"
     )
     storage_url: str = Field(
         "",
@@ -86,7 +88,7 @@ class Settings(BaseModel):
     )
     storage_region: str = Field("us-east-1", description="Region of the bucket")
     storage_access_key: str = Field(
-        "", description="Access key of the bucket; without it that of the machine is looked for"
+        "", description="Access key of the bucket; without it, the machine's credentials"
     )
     storage_secret_key: str = Field("", repr=False, description="Secret of the access key")
     cache_bytes: int = Field(
@@ -143,8 +145,8 @@ class Settings(BaseModel):
         0,
         ge=0,
         le=100,
-        description="How many of the first entries of each leaderboard are verified without being "
-        "asked: evaluated again in fresh water, after the runs of users",
+        description="How many of the first entries of each leaderboard are verified "
+        "automatically: evaluated again in fresh water, after the runs of users",
     )
     practice_trials_max: int = Field(
         10, ge=1, le=100, description="Maximum trials of a practice run"
@@ -240,15 +242,15 @@ class Settings(BaseModel):
         "",
         pattern=rf"^({_ORIGIN}(/[A-Za-z0-9._~%/-]*)?)?$",
         max_length=300,
-        description="Issuer of an OpenID Connect provider by which people may sign in",
+        description="Issuer of an OpenID Connect provider with which people may sign in",
     )
     oidc_client_id: str = Field("", description="Id of this service at the provider")
     oidc_client_secret: str = Field("", repr=False, description="Secret of this service there")
     oidc_name: str = Field(
-        "single sign-on", max_length=40, description="What the pages call the provider"
+        "single sign-on", max_length=40, description="Name of the provider on the pages"
     )
     oidc_sign_up: SignUp = Field(
-        "open", description="Who of the provider's people may create an account here"
+        "open", description="Who may create an account here with the provider"
     )
 
     @field_validator("mail_url")

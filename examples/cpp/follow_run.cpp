@@ -10,8 +10,8 @@
 
 namespace {
 
-void follow(const seamark::Client& client, const seamark::Run& ordered) {
-    const seamark::Run run = client.wait(ordered.id());
+void follow(const seamark::Client& client, const seamark::Run& submitted) {
+    const seamark::Run run = client.wait(submitted.id());
     std::cout << "run " << run.id() << " " << run.state();
     if (run.has_score()) std::cout << ", score " << run.score();
     std::cout << std::endl;
@@ -28,13 +28,13 @@ int main(int count, char** arguments) {
     curl_global_init(CURL_GLOBAL_DEFAULT);
     const seamark::Client client(arguments[1], arguments[2]);
     const seamark::Json config = {{"levels", {0.1}}, {"level_duration_s", 5}, {"settle_s", 1}};
-    seamark::Json order = {{"benchmark", "currents-v1"}, {"config", config}, {"seed", 7}};
+    seamark::Json specification = {{"benchmark", "currents-v1"}, {"config", config}, {"seed", 7}};
     try {
-        if (count > 3) follow(client, client.submit(order, arguments[3]));
-        order["controller"] = "pi";
-        follow(client, client.submit(order));
-        order["seed"] = -1;
-        client.submit(order);
+        if (count > 3) follow(client, client.submit(specification, arguments[3]));
+        specification["controller"] = "pi";
+        follow(client, client.submit(specification));
+        specification["seed"] = -1;
+        client.submit(specification);
     } catch (const seamark::Refused& refused) {
         std::cout << "refused " << refused.status << ": " << refused.what() << std::endl;
         return 0;
