@@ -4,7 +4,7 @@ from flask import Flask
 
 from seamark.server.pages import errors
 from seamark.server.pages.account import account, identity, invitations, mail, own_account, profile
-from seamark.server.pages.administration import administration, audit_log, people, rejudgements
+from seamark.server.pages.administration import ADMIN_PAGES
 from seamark.server.pages.benchmark import benchmarks
 from seamark.server.pages.classes import assignments, classes
 from seamark.server.pages.compare import compare
@@ -44,18 +44,15 @@ PAGES = (
     docs.page,
     download.page,
     status.page,
-    administration.page,
-    people.page,
-    rejudgements.page,
-    audit_log.page,
 )
 
 
 def register(app: Flask) -> None:
     """Add all pages, the filters of their templates and the pages of errors."""
     url_converters.register(app)
-    for page in PAGES:
+    for page in (*PAGES, *(one.blueprint for one in ADMIN_PAGES)):
         app.register_blueprint(page)
+    app.jinja_env.globals["admin_pages"] = ADMIN_PAGES
     template_filters.register(app)
     app.add_template_filter(article)
     app.add_template_filter(with_way_to_install)

@@ -23,6 +23,10 @@ from seamark.sandbox.languages.language import Language
 FORMULAS: Language = __import__("formulas").FORMULAS
 LANGUAGES[FORMULAS.name] = FORMULAS
 
+from seamark.server.pages.administration import ADMIN_PAGES
+
+ADMIN_PAGES.append(__import__("weather").WEATHER)
+
 from flask import Flask
 
 from seamark.programs import preparation
@@ -99,6 +103,7 @@ def main(folder: str, broker: str) -> None:
     app = create_app(settings)
     app.testing = True
     found = _shown(app, backend, _addresses(app, run_id))
+    found |= {"weather for a guest": app.test_client().get("/admin/weather").text}
     found |= {
         "starters": " ".join(starters()),
         "parameters": " ".join(

@@ -16,12 +16,12 @@ from pkgutil import resolve_name
 import pytest
 
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server.pages.administration import ADMIN_PAGES
 from seamark.sim import registry
 from seamark.sim.vehicles import load
-from tests.additions import things
+from tests.additions.things import FILES
 
 ROOT = Path(__file__).parents[2]
-FILES = things.BENCHMARK | things.VEHICLE | things.TRACKER | things.CONTROLLER | things.LANGUAGE
 Shown = dict[str, str]  # address -> text
 
 
@@ -58,6 +58,10 @@ LISTED: dict[str, tuple[Sequence[str], str]] = {
         [resolve_name(path).label for path in registry.TRACKERS.values()],
         "Drifting corners",
     ),
+    "pages of the administration": (
+        [f">{one.label}</a>" for one in ADMIN_PAGES],
+        '<a href="/admin/weather">Weather at sea</a>',
+    ),
     "controllers": (
         [resolve_name(path).label for path in registry.CONTROLLERS.values()],
         "Full ahead",
@@ -91,6 +95,7 @@ EXPECTED = {  # address -> what it shows of the added things
     "/docs/physics": ("A small boat below the water.", "/docs/physics/dory.urdf"),
     "/admin/rejudgements/new": ("harbour-v1", "Formulas (one for each axis)"),
     "/admin/workers": ("Formulas (one for each axis)",),
+    "/admin/weather": ("Fog",),
     "/runs/1": ("Dory with oars", "Drifting corners"),
     "/api/v1/runs/1/scene.json": ('"capsule"', "#e9f0f2"),
     "/api/v1/benchmarks": ("harbour-v1",),
@@ -105,6 +110,10 @@ def test_a_page_shows_the_added_things_that_its_reader_looks_for(
     address: str, shown: Shown
 ) -> None:
     assert [words for words in EXPECTED[address] if words not in shown[address]] == []
+
+
+def test_an_added_page_of_the_administration_is_closed_to_others(shown: Shown) -> None:
+    assert "Fog" not in shown["weather for a guest"]
 
 
 NAMES = {*LANGUAGES, *registry.VEHICLES, *registry.BENCHMARKS, *registry.TRACKERS} - {"box", "c"}

@@ -111,3 +111,4 @@ def write(recording, file):
     file.write(b"knots")
 """,
 }
+FILES = BENCHMARK | VEHICLE | TRACKER | CONTROLLER | LANGUAGE | ADMIN_PAGE

@@ -1,22 +1,21 @@
 """The audit log, for admins."""
 
-from flask import Blueprint, render_template, request
+from flask import render_template, request
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import audit
 from seamark.server.accounts.audit import AuditAction, AuditFilter
-from seamark.server.accounts.permissions import Action
-from seamark.server.web import access
+from seamark.server.pages.administration.admin_page import admin_page
 from seamark.server.web.services import services
 
-page = Blueprint("audit_log", __name__, url_prefix="/admin/audit")
+ADMIN_PAGE = admin_page("audit_log", __name__, label="Audit log", path="/audit")
+page = ADMIN_PAGE.blueprint
 _IN_URL = ("action", "actor", "target")
 
 
 @page.get("")
 def show() -> ResponseReturnValue:
     """Show who did what, newest first."""
-    access.require(Action.ADMINISTER)
     kept = {
         name: request.args[name].strip()[: audit.TARGET_MAX]
         for name in _IN_URL

@@ -2,28 +2,25 @@
 
 from collections.abc import Mapping
 
-from flask import Blueprint, flash, redirect, render_template, request, url_for
+from flask import flash, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts import password_resets
 from seamark.server.accounts.accounts import AccountRejected
-from seamark.server.accounts.permissions import ACCOUNT_ROLES, Action, Role
+from seamark.server.accounts.permissions import ACCOUNT_ROLES, Role
 from seamark.server.administration import people
 from seamark.server.administration.people import PersonFilter
 from seamark.server.database.tables import User
+from seamark.server.pages.administration.admin_page import admin_page
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address
 
-page = Blueprint("people", __name__, url_prefix="/admin/users")
+ADMIN_PAGE = admin_page("people", __name__, label="Users", path="/users", view="listed")
+page = ADMIN_PAGE.blueprint
 _ROLES = {role.label: role for role in ACCOUNT_ROLES}
-
-
-@page.before_request
-def _only_admins() -> None:
-    access.require(Action.ADMINISTER)
 
 
 @page.get("")

@@ -3,34 +3,32 @@
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 
-from flask import Blueprint, flash, redirect, render_template, request, url_for
+from flask import flash, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.audit import Actor
-from seamark.server.accounts.permissions import Action
 from seamark.server.administration import rejudge_choice, rejudgements
 from seamark.server.administration.rejudge_choice import RunChoice
 from seamark.server.administration.rejudgements import RejudgementRefused, RejudgementView
+from seamark.server.pages.administration.admin_page import admin_page
 from seamark.server.runs.record.states import RunKind
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
 
-page = Blueprint("rejudgements", __name__, url_prefix="/admin/rejudgements")
+ADMIN_PAGE = admin_page(
+    "rejudgements", __name__, label="Rejudgements", path="/rejudgements", view="listed"
+)
+page = ADMIN_PAGE.blueprint
 _TEXTS = {"worker": 255, "version": 40}  # [character]
 _CHOICES = {
     "benchmark": tuple(registry.BENCHMARKS),
     "kind": tuple(kind.value for kind in RunKind if kind is not RunKind.LOG),
     "language": (rejudge_choice.BUILT_IN, *LANGUAGES),
 }
-
-
-@page.before_request
-def _only_admins() -> None:
-    access.require(Action.ADMINISTER)
 
 
 @page.get("")
