@@ -35,7 +35,6 @@ TABLES = {
     "live_lag": "service.web.live_lag",
     "player": "service.web.player",
     "downloads": "service.web.downloads",
-    "connected": "service.web.connected",
     "upgrade_flood": "service.web.upgrade_flood",
     "strangers_bytes": "service.web.strangers_bytes",
 }

@@ -5,20 +5,19 @@ it for people who want less motion. It runs the programs of docs/tutorial.md in 
 own, as the page tells its readers to, and takes the pictures in Chromium without a graphics card.
 """
 
-import shutil
 import tempfile
 from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 
 from PIL import Image, ImageOps
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 from performance import FIGURES
-from performance.figures.player import QUALITY, picture
+from performance.figures.player import QUALITY
 from performance.figures.showcase import wait_for_runs
 from performance.figures.tutorial import BENCHMARK, SEED, programs
-from performance.service.web.player import SOFTWARE
+from performance.service.web.browser import chromium, picture
 from seamark.client import Client
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
@@ -43,14 +42,10 @@ def main(_arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory(prefix="seamark-compared-") as folder:
         with started(Path(folder) / "data") as (address, _):
             ids = _recorded(address, Path(folder))
-            with sync_playwright() as playwright:
-                browser = playwright.chromium.launch(
-                    executable_path=shutil.which("chromium"), args=SOFTWARE
-                )
+            with chromium() as browser:
                 page = browser.new_page(viewport={"width": 1280, "height": 900})
                 page.goto(f"{address}/compare?runs={','.join(map(str, ids))}")
                 _draw(page)
-                browser.close()
     return 0
 
 
@@ -84,12 +79,12 @@ def _draw(page: Page) -> None:
     page.locator("[data-stage][data-pictures]").wait_for()
     _go_to(page, SHOWN_S)
     page.locator("[data-time]").blur()
-    picture(page.screenshot()).save(FIGURES / "compare-page.webp", quality=QUALITY)
+    picture(page).save(FIGURES / "compare-page.webp", quality=QUALITY)
     views = page.locator("[data-views]")
     frames: list[Image.Image] = []
     for number in range(FRAMES):
         _go_to(page, STEP_S * number)
-        frame = picture(views.screenshot())
+        frame = picture(views)
         # A line of numbers that wraps makes a view a little higher; the pictures are of one size.
         size = frames[0].size if frames else (WIDTH, WIDTH * frame.height // frame.width)
         frames.append(ImageOps.fit(frame, size, centering=(0.0, 0.0)))

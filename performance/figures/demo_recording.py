@@ -6,7 +6,6 @@ templates/static/demo/: pictures of the scene, moving and still, for the time un
 draws, from Chromium without a graphics card.
 """
 
-import io
 import shutil
 import tempfile
 import zipfile
@@ -18,9 +17,10 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
-from performance.service.web.player import SOFTWARE, served
+from performance.service.web.browser import chromium, picture
+from performance.service.web.player import served
 from seamark import templates
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing import camera_view, recorded_demo, scene
@@ -75,17 +75,13 @@ def main(_arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as (url, settings):
         _write_surroundings(settings)
         _write_images(settings, recorded_demo.files())
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=SOFTWARE
-            )
+        with chromium() as browser:
             page = browser.new_page(
                 bypass_csp=True,
                 reduced_motion="reduce",
                 viewport={"width": 1280, "height": 900},
             )
             _write_poster(page, url)
-            browser.close()
     return 0
 
 
@@ -134,8 +130,7 @@ _POSTER_STAGE = """.site-header { display: none !important; }
 def _frame(page: Page, seconds: float) -> Image.Image:
     page.locator("[data-time]").fill(f"{seconds:g}")
     page.wait_for_timeout(SETTLED_MS)
-    png = page.locator("[data-stage]").screenshot()
-    return Image.open(io.BytesIO(png)).convert("RGB")
+    return picture(page.locator("[data-stage]"))
 
 
 def _decoded(jpeg: bytes) -> Picture:
@@ -143,6 +138,6 @@ def _decoded(jpeg: bytes) -> Picture:
     return np.asarray(image, np.uint8)
 
 
-def _jpeg(picture: Picture, size: tuple[int, int], quality: int) -> bytes:
-    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+def _jpeg(image: Picture, size: tuple[int, int], quality: int) -> bytes:
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     return cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()

@@ -4,17 +4,15 @@ Writes docs/figures/run-page.webp, from a run of the built-in controller in Chro
 graphics card.
 """
 
-import io
-import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 from performance import FIGURES
-from performance.service.web.player import SOFTWARE, opened, recorded, served
+from performance.service.web.browser import chromium, picture
+from performance.service.web.player import opened, recorded, served
 
 RUN = {"levels": [0.1, 0.4], "level_duration_s": 60.0}
 SHOWN_S = 96.0  # the moment of the still picture
@@ -26,14 +24,10 @@ def main(_arguments: Sequence[str]) -> int:
     """Write the picture."""
     with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as (url, settings):
         address = f"{url}/runs/{recorded(settings, RUN)}"
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=SOFTWARE
-            )
+        with chromium() as browser:
             _, page = opened(browser, address)
             page.set_default_timeout(120_000)
             _draw(page)
-            browser.close()
     return 0
 
 
@@ -43,14 +37,9 @@ def _draw(page: Page) -> None:
     page.locator("[data-time]").blur()
     page.evaluate("scrollTo(0, document.querySelector('[data-player]').offsetTop - 70)")
     page.wait_for_timeout(SETTLED_MS)
-    picture(page.screenshot()).save(FIGURES / "run-page.webp", quality=QUALITY)
+    picture(page).save(FIGURES / "run-page.webp", quality=QUALITY)
 
 
 def _go_to(page: Page, seconds: float) -> None:
     page.locator("[data-time]").fill(f"{seconds:g}")
     page.wait_for_timeout(SETTLED_MS)
-
-
-def picture(png: bytes) -> Image.Image:
-    """Return a screenshot as a picture."""
-    return Image.open(io.BytesIO(png)).convert("RGB")

@@ -8,12 +8,11 @@ import re
 import shutil
 from collections.abc import Sequence
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 from performance import FIGURES, ROOT
-from performance.figures.player import picture
 from performance.figures.showcase import Showcase, showcase
-from performance.service.web.player import SOFTWARE
+from performance.service.web.browser import chromium, picture
 
 FOLDER = ROOT / "screenshots"
 KEPT = {"sweeps-1-light": "sweep", "leaderboards-currents-v1-dark": "leaderboard"}
@@ -29,13 +28,9 @@ QUALITY = 60
 def main(_arguments: Sequence[str]) -> int:
     """Write all pictures."""
     FOLDER.mkdir(exist_ok=True)
-    with showcase() as service, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=shutil.which("chromium"), args=SOFTWARE
-        )
+    with showcase() as service, chromium() as browser:
         for look in LOOKS:
             _draw(browser, service, look)
-        browser.close()
     for name, figure in KEPT.items():
         shutil.copy(FOLDER / f"{name}.webp", FIGURES / f"{figure}.webp")
     return 0
@@ -53,5 +48,5 @@ def _draw(browser: Browser, service: Showcase, look: str) -> None:
         page.goto(service.address + path)
         page.wait_for_timeout(SETTLED_MS)
         name = re.sub(r"[^a-z0-9]+", "-", path.lower()).strip("-") or "home"
-        picture(page.screenshot()).save(FOLDER / f"{name}-{look}.webp", quality=QUALITY)
+        picture(page).save(FOLDER / f"{name}-{look}.webp", quality=QUALITY)
     context.close()

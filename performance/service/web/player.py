@@ -5,7 +5,6 @@ browser. The server is in the same process, so it takes its share of the cores; 
 live, so does the simulator, at its full speed.
 """
 
-import shutil
 import tempfile
 import threading
 import time
@@ -13,11 +12,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 from sqlalchemy import update
 from werkzeug.serving import make_server
 
 from performance.service.web import streams
+from performance.service.web.browser import chromium
 from performance.tables import Row
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
@@ -39,10 +39,6 @@ WATCHED_MS = 8000
 _FIRST_CONTENT = "performance.getEntriesByName('first-contentful-paint')"
 SETTLE_MS = 5000  # until the resolution has settled
 WIDTH, HEIGHT = 1280, 720
-# As Chromium draws by itself where there is no graphics card: WebGL by SwiftShader, the page by the
-# processor. With `--use-angle=swiftshader` it would compose the page by SwiftShader as well, which
-# takes longer than the scene.
-SOFTWARE = ["--enable-unsafe-swiftshader", "--no-sandbox"]
 _SIZE_STAGE = """() => {
   const stage = document.querySelector("[data-stage]");
   const size = { width: "1280px", height: "720px" };
@@ -75,13 +71,9 @@ def rows() -> list[Row]:
     """Return frame rate, longest task and times to open."""
     with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as (url, settings):
         short, long = (recorded(settings, config) for config in (SHORT, LONG))
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=SOFTWARE
-            )
+        with chromium() as browser:
             found = _measured(browser, f"{url}/runs/{short}", f"{url}/runs/{long}")
             found += [_live(browser), *_first_content(browser, url, f"/runs/{long}")]
-            browser.close()
     return found
 
 

@@ -6,7 +6,6 @@ when what had happened, and what the status page said. At a twentieth it takes m
 """
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,7 +16,9 @@ from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
+
+from performance.service.web.browser import chromium
 
 SHARE = 0.05
 PERIOD_US = 100_000  # the default of both versions of cgroups
@@ -98,11 +99,7 @@ def limited(share: float) -> Iterator[Path]:
 
 def visit(address: str, journey: Journey, *, slower: float) -> None:
     """Do what a newcomer does, from the first picture to the first own result."""
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=shutil.which("chromium"),
-            args=["--no-sandbox", "--enable-unsafe-swiftshader"],
-        )
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         page.set_default_timeout(NEVER_MS)
         throttle = page.context.new_cdp_session(page)
@@ -115,7 +112,6 @@ def visit(address: str, journey: Journey, *, slower: float) -> None:
         _write_first_controller(page, journey)
         while not _has_ended(page, address, journey):
             time.sleep(POLL_S)
-        browser.close()
 
 
 def _write_first_controller(page: Page, journey: Journey) -> None:
