@@ -17,5 +17,5 @@ def user_of(session: Session, name: str) -> User:
     user = profiles.find(session, name)
     own = user is not None and user.id == access.viewer().user_id
     if user is None or not (own or standings.is_known(session, user)):
-        raise Problem("not-found", "There is no user of this name who has published anything.")
+        raise Problem("not-found", "No user with this name has published anything.")
     return user

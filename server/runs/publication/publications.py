@@ -1,7 +1,7 @@
 """Publishing runs, on which terms, withdrawing them, and showing later who made them.
 
 A leaderboard has one row for each user. So the ranked runs of a user in a benchmark are either all
-published by name or all for review: a row that changes places with another would tell whose it is.
+published by name or all for review: a row that replaces another one would show whose it is.
 """
 
 import time
@@ -167,7 +167,7 @@ def _check(session: Session, run: Run, terms: Terms) -> None:
     todo = "Withdraw it first" if terms.anonymous else "Show your name there, or withdraw it, first"
     raise PublicationRefused(
         f"Run {found} of this benchmark is published {how}. The leaderboard has one row for each "
-        f"user, so it would tell whose the anonymous one is. {todo}.",
+        f"user, so it would show whose the anonymous run is. {todo}.",
         field="anonymous",
     )
 

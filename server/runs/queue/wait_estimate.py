@@ -200,6 +200,6 @@ def _obstacle(session: Session, run: Run, settings: Settings) -> str | None:
             return refusal
         if workers.waits_for_installation(session, run.language, settings):
             name = workers.finding_of(run.language)
-            return f"What {name} need is being installed. The run starts after that."
+            return f"The packages for {name} are being installed. The run starts after that."
     preparation = workers.preparation(session)
     return f"{preparation} The run starts after that." if preparation else None

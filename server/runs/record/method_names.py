@@ -12,7 +12,7 @@ REQUIRED = (
     "Name the method, such as “Sliding mode with observer”: leaderboards, badges and citations "
     "show it."
 )
-IS_FILE = "This is the name of the file. Write what the method is called."
+IS_FILE = "This is the name of the file. Enter the name of your method."
 
 
 def clean(text: str) -> str:

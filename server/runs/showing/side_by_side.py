@@ -86,8 +86,8 @@ def _note(runs: Sequence[ComparedRun]) -> str:
     )
     if differing:
         return (
-            f"The scenarios differ ({', '.join(differing)}), so that the metrics are not those of "
-            "the solutions alone, and none is marked as the best."
+            f"The scenarios differ ({', '.join(differing)}), so the metrics compare more than the "
+            "solutions, and none is marked as the best."
         )
     return ""
 

@@ -99,7 +99,7 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
     for name in names:
         _check_name(benchmark, own, name)
         if sent.assignment is not None and name not in sweepable(benchmark, own, fixed=True):
-            raise _refused(f"This assignment fixes {name}. Sweep what you may choose.")
+            raise _refused(f"This assignment fixes {name}. Sweep a setting that you may choose.")
     seed = secrets.randbelow(SEED_MAX + 1) if sent.seed is None else sent.seed
     points = (
         dict(zip(names, values, strict=True))
