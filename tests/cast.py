@@ -24,7 +24,7 @@ from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission import submission
+from seamark.server.runs.submission import submission, validation
 from seamark.server.settings import Settings
 
 USERS = ("ann", "eva", "ben")
@@ -79,7 +79,7 @@ class Backend:
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""
         wanted = PI_RUN | {"viewer": self.viewers[who], "kind": RunKind(kind)} | changes
-        valid = submission.validate(submission.Submission(**wanted), self.settings)
+        valid = validation.validate(validation.Submission(**wanted), self.settings)
         with self.database.writing() as session:
             return submission.submit(session, valid, self.settings)
 

@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, delete, func, select
 from sqlalchemy.orm import Session
 
-from seamark.server.database.audit_table import AuditEntry
+from seamark.server.database.operation_tables import AuditEntry
 
 PAGE, PAGE_MAX = 50, 200
 SEEN_MAX = 2000  # entries that a page of a log with two or more filters looks at

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from seamark.programs.failure_reasons import FailureReason
 from seamark.server.accounts.audit import AuditAction
-from seamark.server.database.audit_table import AuditEntry
+from seamark.server.database.operation_tables import AuditEntry
 from seamark.server.database.tables import IS_LISTED, Run
 from seamark.server.messaging import workers
 from seamark.server.messaging.workers import WorkerStatus

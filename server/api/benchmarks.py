@@ -10,7 +10,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
-from seamark.server.runs.submission import submission
+from seamark.server.runs.submission import validation
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -51,7 +51,7 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
         "role": found.role,
         "starting_points": {name: asdict(point) for name, point in found.starting_points.items()},
         "controllers": dict(found.built_in),
-        "ranked_trials": submission.ranked_trials(found, services().settings),
+        "ranked_trials": validation.ranked_trials(found, services().settings),
         "protocol": None if found.protocol is None else asdict(found.protocol),
         "schema": found.schema(),
     }

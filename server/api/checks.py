@@ -20,8 +20,8 @@ from seamark.server.api.schemas import RunRequest
 from seamark.server.messaging import workers
 from seamark.server.programs import check_queue, store
 from seamark.server.programs.check_queue import CheckState, CheckView
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -56,10 +56,10 @@ def create(query: CheckQuery) -> Response:
     body, file = request_body.run_request(RunRequest)
     access.require_scope(Action.UPLOAD)
     with refusals.as_problems():
-        submission.require_permission(access.viewer(), uploads=True)
+        validation.require_permission(access.viewer(), uploads=True)
         if file is None:
             raise SubmissionRejected("Send the program to check.", field="program")
-        benchmark = submission.find_benchmark(body.benchmark)
+        benchmark = validation.find_benchmark(body.benchmark)
         prepared = _read_program(file, benchmark)
         declared = configurations.declared_in(benchmark, prepared.language, prepared.parameters)
         shown = {"parameters": [one.to_json() for one in declared]}

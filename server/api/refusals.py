@@ -9,7 +9,7 @@ from seamark.programs.preparation import UploadRejected, UploadTooLarge
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.programs.check_queue import CheckRefused
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import (
+from seamark.server.runs.submission.validation import (
     AccountNeeded,
     SignInNeeded,
     SubmissionRejected,

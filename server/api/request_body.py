@@ -11,8 +11,8 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import RunRequest
-from seamark.server.runs.submission.submission import Submission
 from seamark.server.runs.submission.submission_keys import SubmissionKey
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.web.body_limits import JSON_MAX_BYTES
 from seamark.server.web.problems import Problem, from_validation_error
 from seamark.server.web.services import services

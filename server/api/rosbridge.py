@@ -21,8 +21,8 @@ from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.runs.ending import cancellation
 from seamark.server.runs.queue import queue
 from seamark.server.runs.record.solutions import ROSBRIDGE
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import Submission, ValidSubmission
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import Submission, ValidSubmission
 from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication, rate_limits
 from seamark.server.web.problems import Problem
@@ -83,7 +83,7 @@ def connect(query: BridgeQuery) -> Response:
     wanted = query.model_dump(include={"benchmark", "config", "seed", "trials", "title"})
     sent = Submission(viewer=viewer, controller=ROSBRIDGE, connected=True, **wanted)
     with refusals.as_problems():
-        valid = submission.validate(sent, settings)
+        valid = validation.validate(sent, settings)
     if not request.environ.get(UPGRADE):
         upgrade = {"Upgrade": "websocket", "Connection": "Upgrade"}
         raise Problem("upgrade-required", headers=upgrade)

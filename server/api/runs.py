@@ -32,8 +32,8 @@ from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import run_lists, views
 from seamark.server.runs.showing.run_lists import Place, RunFilter
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission import assigned, submission, submission_keys
-from seamark.server.runs.submission.submission import UPLOAD, Submission
+from seamark.server.runs.submission import assigned, submission, submission_keys, validation
+from seamark.server.runs.submission.validation import UPLOAD, Submission
 from seamark.server.web import access, authentication, caching, rate_limits, uploads
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -66,7 +66,7 @@ def create(header: SubmissionHeaders) -> Response:
     access.require_scope(Action.SUBMIT)
     with refusals.as_problems():
         sent, settings = submission_of(run, file), services().settings
-        valid, key = submission.validate(sent, settings), header.submission_key(run, sent)
+        valid, key = validation.validate(sent, settings), header.submission_key(run, sent)
         with services().database.writing() as database:
             run_id = submission_keys.once(
                 database, key, lambda: submission.submit(database, valid, settings), now=time.time()
@@ -83,8 +83,8 @@ def submission_of(run: RunRequest, file: FileStorage | None) -> Submission:
         It is not permitted, or the program cannot be stored.
     """
     viewer, kind = authentication.become_guest(), RunKind(run.kind)
-    submission.require_permission(viewer, kind=kind, uploads=file is not None)
-    program = None if file is None else _store(file, submission.find_benchmark(run.benchmark))
+    validation.require_permission(viewer, kind=kind, uploads=file is not None)
+    program = None if file is None else _store(file, validation.find_benchmark(run.benchmark))
     built_in = run.controller or (UPLOAD if program is not None else "")
     sent = run.model_dump(include={"benchmark", "config", "seed", "trials", "title", "notes"})
     wanted = Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent)

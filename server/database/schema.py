@@ -16,18 +16,15 @@ from seamark.failures import PlatformFailed
 from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
-from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.connecting import connected
-from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress
-from seamark.server.database.publication_tables import Publication
+from seamark.server.database.operation_tables import AuditEntry, DiskUsage
+from seamark.server.database.publication_tables import Publication, RankPoint
 from seamark.server.database.queue_tables import Turn
-from seamark.server.database.rank_tables import RankPoint
 from seamark.server.database.rejudgement_tables import Rejudgement
-from seamark.server.database.submission_tables import KeyOfSubmission
-from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.submission_tables import KeyOfSubmission, Sweep
 from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
 

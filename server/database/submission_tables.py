@@ -1,9 +1,11 @@
-"""What is kept of submissions: keys that recognise repeated ones, and which water was seen."""
+"""What is kept of submissions: sweeps, idempotency keys, and what has been seen of a program."""
 
-from sqlalchemy import BigInteger, ForeignKey, Index, String
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, ForeignKey, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
 
-from seamark.server.database.tables import Base
+from seamark.server.database.tables import Base, RowId
 
 
 class KeyOfSubmission(Base):
@@ -34,3 +36,19 @@ class SeenSubmission(Base):
     run_id: Mapped[int] = mapped_column(BigInteger)  # the first one whose data could be seen
     digest: Mapped[str | None] = mapped_column(String(64))  # of its telemetry; NULL: it failed
     seen_at: Mapped[float]
+
+
+class Sweep(Base):
+    """A set of runs that differ in one or two settings or parameters."""
+
+    __tablename__ = "sweeps"
+
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    user_id: Mapped[int | None] = mapped_column(
+        ForeignKey("users.id", ondelete="CASCADE"), index=True
+    )
+    guest: Mapped[str | None] = mapped_column(String(64))  # hash of the cookie
+    benchmark: Mapped[str] = mapped_column(String(80))
+    title: Mapped[str] = mapped_column(String(120), default="")
+    axes: Mapped[list[dict[str, Any]]] = mapped_column(JSON(none_as_null=True))  # name, values
+    created_at: Mapped[float]

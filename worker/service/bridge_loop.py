@@ -26,6 +26,7 @@ from seamark.server.messaging.bridge_sessions import Keys
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring import log
 from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
@@ -83,7 +84,7 @@ class BridgeLoop:
         """Fail the run that the predecessor of this process had when it died."""
         if not self._recovered:
             with self._database.writing() as session:
-                run_queue.recover_from(session, self._name, self._settings)
+                lost_attempts.recover_from(session, self._name, self._settings)
             self._recovered = True
 
     def _next_session(self) -> str | None:

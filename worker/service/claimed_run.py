@@ -13,8 +13,9 @@ from seamark.server.monitoring import meters
 from seamark.server.runs.data.files import StorageFailed
 from seamark.server.runs.ending import results
 from seamark.server.runs.ending.results import Report
-from seamark.server.runs.queue import queue
-from seamark.server.runs.queue.queue import AttemptEnd, Claim, LeaseStatus
+from seamark.server.runs.queue import lost_attempts
+from seamark.server.runs.queue.lost_attempts import AttemptEnd
+from seamark.server.runs.queue.queue import Claim, LeaseStatus
 from seamark.server.runs.record.seeds import SeedsMissing
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
@@ -38,7 +39,7 @@ def evaluate_or_release(context: RunContext, claim: Claim) -> bool:
         _log.exception("run_not_evaluated", run=claim.run_id, attempt=claim.attempt)
         end = blame(context.settings, error)
     with suppress(SQLAlchemyError), context.database.writing() as session:
-        queue.release(session, claim, end, settings=context.settings)
+        lost_attempts.release(session, claim, end, settings=context.settings)
     return False
 
 

@@ -28,7 +28,7 @@ from seamark.server.runs.data.retention import Sweep, trim
 from seamark.server.runs.data.retention_pass import RetentionPass
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.leaderboard import best_runs
-from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.recomputation import verifications
 from seamark.server.runs.record import seeds
 from seamark.server.settings import Settings
@@ -125,13 +125,13 @@ class Recoverer:
     def recover_runs(self) -> None:
         """Return runs to the queue, publish that, and add missing tickets."""
         with self._database.reading() as session:
-            leases = run_queue.leases(session)
+            leases = lost_attempts.leases(session)
         abandoned = self._runs.abandoned(leases, now_s=time.monotonic())
         with self._database.writing() as session:
-            recovery = run_queue.recover(session, abandoned, self._settings)
+            recovery = lost_attempts.recover(session, abandoned, self._settings)
         announce(self._app, self._redis, recovery)
         with self._database.writing() as session:  # whatever it waits for, the runs do not
-            run_queue.tidy(session)
+            lost_attempts.tidy(session)
 
     def recover_checks(self) -> None:
         """Return checks to the queue, and forget old ones."""

@@ -7,7 +7,7 @@ from redis.exceptions import RedisError
 
 from seamark.server.messaging import broker, live_events
 from seamark.server.monitoring.outages import Outage
-from seamark.server.runs.queue.queue import Recovery
+from seamark.server.runs.queue.lost_attempts import Recovery
 from seamark.server.runs.record.states import RunState
 
 _log = structlog.get_logger()

@@ -20,8 +20,10 @@ from seamark.server.monitoring import meters
 from seamark.server.runs.data.files import RunFiles, StorageFailed
 from seamark.server.runs.ending import first_results, results
 from seamark.server.runs.ending.results import Report
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue.queue import AttemptEnd, Claim, LeaseStatus
+from seamark.server.runs.queue.lost_attempts import AttemptEnd
+from seamark.server.runs.queue.queue import Claim, LeaseStatus
 from seamark.server.runs.record.seeds import SeedsMissing
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
@@ -251,7 +253,7 @@ class RunDriver:
         """Return the run to its position in the queue, or fail it for good."""
         try:
             with self._context.database.writing() as session:
-                state = run_queue.release(
+                state = lost_attempts.release(
                     session, self._claim, end, settings=self._context.settings
                 )
         except DATABASE_AWAY as error:  # then the lease ends

@@ -12,6 +12,7 @@ from seamark.server.database.engine import DATABASE_AWAY, Database
 from seamark.server.messaging import broker, workers
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring.outages import Outage
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
@@ -112,7 +113,7 @@ class RunLoop:
         """Queue the run that the predecessor of this process was evaluating when it died."""
         try:
             with self._database.writing() as session:
-                recovery = run_queue.recover_from(session, self._name, self._settings)
+                recovery = lost_attempts.recover_from(session, self._name, self._settings)
         except DATABASE_AWAY as error:  # its lease will end
             self._outage.failed(error)
             return

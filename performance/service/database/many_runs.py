@@ -29,11 +29,12 @@ from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing import views
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.settings import Settings
 from seamark.server.web import authentication
 from tests.services import postgres, valkey
@@ -91,7 +92,7 @@ class Service:
     def submit(self) -> int:
         """Submit a run and return its id."""
         wanted = Submission(viewer=self.viewer, benchmark=BENCHMARK, config={}, controller="pi")
-        valid = submission.validate(wanted, self.settings)
+        valid = validation.validate(wanted, self.settings)
         with self.database.writing() as session:
             return submission.submit(session, valid, self.settings)
 
@@ -102,8 +103,8 @@ class Service:
     def sweep(self) -> None:
         """Look for abandoned leases."""
         with self.database.writing() as session:
-            run_queue.recover(session, {}, self.settings)
-            run_queue.tidy(session)
+            lost_attempts.recover(session, {}, self.settings)
+            lost_attempts.tidy(session)
 
     def position(self) -> None:
         """Ask for the position and the estimate of the last run."""

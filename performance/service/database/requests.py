@@ -10,7 +10,7 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.rejudgement_tables import Rejudgement
-from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.submission_tables import Sweep
 
 BENCHMARK = "currents-v2"
 _CODE = "0123456789"  # of the first class

@@ -25,8 +25,8 @@ from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker, workers
 from seamark.server.runs.record.states import LIVE, RunState
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.settings import Settings
 from tests.services import valkey
 
@@ -78,7 +78,7 @@ class FakeQueue:
         for number in range(runs):
             viewer = self._viewers[number % USERS]
             wanted = Submission(viewer=viewer, benchmark=benchmark, config={}, controller="pi")
-            valid = submission.validate(wanted, self.settings)
+            valid = validation.validate(wanted, self.settings)
             with self.database.writing() as session:
                 submission.submit(session, valid, self.settings)
 

@@ -21,7 +21,7 @@ from seamark.sandbox.isolation import proc_stats
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.schema import upgrade
-from seamark.server.runs.queue import queue
+from seamark.server.runs.queue import lost_attempts, queue
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.settings import Settings
 from tests.services import postgres, valkey
@@ -234,7 +234,7 @@ def _sweep_s(here: Servers) -> float:
     for _ in range(50):
         begin = time.perf_counter()
         with here.database.writing() as session:
-            queue.recover(session, {}, here.settings)
-            queue.tidy(session)
+            lost_attempts.recover(session, {}, here.settings)
+            lost_attempts.tidy(session)
         times.append(time.perf_counter() - begin)
     return statistics.median(times)

@@ -30,8 +30,8 @@ from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import UPLOAD, Submission
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import UPLOAD, Submission
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
 from tests.services import postgres, valkey
@@ -114,7 +114,7 @@ def evaluate(
         controller="pi" if program is None else UPLOAD,
         program=program,
     )
-    valid = submission.validate(wanted, settings)
+    valid = validation.validate(wanted, settings)
     with closing(broker.celery_app(settings)) as app:
         with database.writing() as session:
             run_id = submission.submit(session, valid, settings)

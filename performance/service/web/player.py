@@ -26,7 +26,7 @@ from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.states import RunKind, RunState
-from seamark.server.runs.submission import submission
+from seamark.server.runs.submission import submission, validation
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.program import BuiltIn
@@ -173,13 +173,13 @@ def served(folder: Path) -> Iterator[tuple[str, Settings]]:
 
 def recorded(settings: Settings, config: dict[str, object]) -> int:
     """Return a public run with the telemetry of a trial."""
-    wanted = submission.Submission(
+    wanted = validation.Submission(
         viewer=Viewer(guest="measured"), benchmark=BENCHMARK, kind=RunKind.PRACTICE, config=config,
         seed=SEED, trials=1, controller=CONTROLLER,
     )  # fmt: skip
     database = Database(settings.database_url)
     with database.writing() as session:
-        run_id = submission.submit(session, submission.validate(wanted, settings), settings)
+        run_id = submission.submit(session, validation.validate(wanted, settings), settings)
         now = time.time()
         ended = {"state": RunState.SUCCEEDED, "started_at": now, "finished_at": now, "public": True}
         session.execute(update(Run).where(Run.id == run_id).values(**ended))

@@ -9,9 +9,9 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.pages.run.player_data import player_data
 from seamark.server.pages.submission import prefill
 from seamark.server.runs.showing import recorded_demo
-from seamark.server.runs.submission import submission
+from seamark.server.runs.submission import submission, validation
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication, known_benchmarks
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
@@ -71,6 +71,6 @@ def _start() -> int:
         seed=recorded_demo.SEED,
         title=TITLE,
     )
-    valid = submission.validate(run, services().settings)
+    valid = validation.validate(run, services().settings)
     with services().database.writing() as session:
         return submission.submit(session, valid, services().settings)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from seamark.server.database.rank_tables import RankPoint
+from seamark.server.database.publication_tables import RankPoint
 from seamark.server.pages.charts.plots import Axis
 
 Step = tuple[float, float, float, float | None]  # from x, y to x; then to y if another step follows

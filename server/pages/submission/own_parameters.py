@@ -8,7 +8,7 @@ from seamark.programs.parameters import KEY, Parameter
 from seamark.programs.setting_values import label_of, text_of
 from seamark.server.pages.benchmark import form_fields
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs.submission.submission import UPLOAD
+from seamark.server.runs.submission.validation import UPLOAD
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 _PREFIX = f"{KEY}."

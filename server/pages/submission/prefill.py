@@ -16,7 +16,8 @@ from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission.submission import SubmissionRejected, program_of
+from seamark.server.runs.submission.submission import program_of
+from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.web import class_access
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id

@@ -15,9 +15,9 @@ from seamark.server.pages.submission.prefill import Prefill
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.record import run_notes
 from seamark.server.runs.record.states import RunKind
-from seamark.server.runs.submission import assigned, quota, submission, sweeps
+from seamark.server.runs.submission import assigned, quota, submission, sweeps, validation
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import UPLOAD, Submission, SubmissionRejected
+from seamark.server.runs.submission.validation import UPLOAD, Submission, SubmissionRejected
 from seamark.server.storage.storage import StorageUnavailable
 from seamark.server.web import access, authentication, body_limits, known_benchmarks
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
@@ -77,7 +77,7 @@ def _start(sent: Submission, posted: dict[str, str]) -> str:
     settings, database = services().settings, services().database
     axes = sweep_fields.read(posted)
     if not axes:
-        valid = submission.validate(sent, settings)
+        valid = validation.validate(sent, settings)
         with database.writing() as session:
             return url_for("run.show", run_id=submission.submit(session, valid, settings))
     planned = sweeps.plan(sent, axes, settings)
@@ -200,7 +200,7 @@ def _show(
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=ranked,
         ranked_day=len(ranked_day),
-        ranked_trials=submission.ranked_trials(benchmark, settings),
+        ranked_trials=validation.ranked_trials(benchmark, settings),
         upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),
         quota=used,
         settings=settings,

@@ -15,7 +15,7 @@ from seamark.programs.preparation import UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs.submission import submission
+from seamark.server.runs.submission import validation
 from seamark.server.web import uploads
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -34,7 +34,7 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
     QuotaExceeded, StorageUnavailable
         A quota is used up, or there is no room.
     """
-    submission.require_permission(g.viewer, uploads=True)
+    validation.require_permission(g.viewer, uploads=True)
     file = request.files.get("program")
     if file is not None and file.filename:  # without scripts, whichever source is selected
         return _save(benchmark, cast(BinaryIO, file.stream), file.filename)

@@ -9,8 +9,8 @@ from seamark.programs import configurations
 from seamark.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.submission import sweeps
-from seamark.server.runs.submission.submission import SubmissionRejected
 from seamark.server.runs.submission.sweep_axes import AXES_MAX, RUNS_MAX, TEXT_MAX, Axis, read_axis
+from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 

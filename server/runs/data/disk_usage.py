@@ -15,8 +15,8 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database import counters, engine
-from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
+from seamark.server.database.operation_tables import DiskUsage
 from seamark.server.database.tables import Run
 from seamark.server.runs.data import retention
 from seamark.server.settings import Settings

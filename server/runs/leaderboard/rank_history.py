@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from sqlalchemy import ColumnElement, delete, select
 from sqlalchemy.orm import Session
 
-from seamark.server.database.rank_tables import RankPoint
+from seamark.server.database.publication_tables import RankPoint
 from seamark.server.runs.leaderboard import score_counts
 
 KEPT = 200  # points of a user in a benchmark; older ones are deleted

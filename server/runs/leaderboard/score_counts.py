@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sqlalchemy import ColumnElement, and_, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.database.rank_tables import ScoreCount
+from seamark.server.database.publication_tables import ScoreCount
 from seamark.server.database.tables import Best
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.sim.numerics.arrays import Array

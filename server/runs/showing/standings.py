@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts import profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.accounts.profiles import Profile
-from seamark.server.database.rank_tables import RankPoint
+from seamark.server.database.publication_tables import RankPoint
 from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import leaderboard, rank_history, score_counts
 from seamark.server.runs.leaderboard.leaderboard import Rank

@@ -10,7 +10,7 @@ from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.runs.record.states import RunKind
-from seamark.server.runs.submission.submission import Submission, SubmissionRejected
+from seamark.server.runs.submission.validation import Submission, SubmissionRejected
 from seamark.sim import registry
 
 

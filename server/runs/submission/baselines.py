@@ -15,8 +15,8 @@ from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, User
 from seamark.server.runs.record.states import RunKind, RunState
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.settings import Settings
 from seamark.sim import registry
 
@@ -45,7 +45,7 @@ def ensure(session: Session, settings: Settings) -> list[int]:
                 title=baseline.title,
                 baseline=True,
             )
-            valid = submission.validate(baseline_run, settings)
+            valid = validation.validate(baseline_run, settings)
             submitted.append(submission.submit(session, valid, settings))
     if submitted:
         _log.info("baselines_submitted", runs=submitted)

@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.submission_tables import KeyOfSubmission
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission.validation import SubmissionRejected
 
 FIELD = "Idempotency-Key"
 KEPT_S = 86_400.0

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from seamark.programs.setting_values import text_of
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission.validation import SubmissionRejected
 
 AXES_MAX = 2
 RUNS_MAX = 64  # of a sweep, so also values of an axis

@@ -17,19 +17,19 @@ from sqlalchemy.orm import Session
 
 from seamark.programs import configurations
 from seamark.programs.parameters import KEY, Parameter
-from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.submission_tables import Sweep
 from seamark.server.database.tables import Run
 from seamark.server.runs.record.run_notes import clean_title
 from seamark.server.runs.record.states import LIVE, RunKind
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission import submission
-from seamark.server.runs.submission.submission import (
+from seamark.server.runs.submission import submission, validation
+from seamark.server.runs.submission.sweep_axes import AXES_MAX, RUNS_MAX, Axis, Value, shown
+from seamark.server.runs.submission.validation import (
     Submission,
     SubmissionRejected,
     ValidSubmission,
 )
-from seamark.server.runs.submission.sweep_axes import AXES_MAX, RUNS_MAX, Axis, Value, shown
 from seamark.server.settings import Settings
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.seeds import SEED_MAX
@@ -94,7 +94,7 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
     count = math.prod(len(axis.values) for axis in axes)
     if count > RUNS_MAX:
         raise _refused(f"This sweep has {count} runs; the limit is {RUNS_MAX}. Give fewer values.")
-    benchmark = submission.find_benchmark(sent.benchmark)
+    benchmark = validation.find_benchmark(sent.benchmark)
     own = _own_parameters(benchmark, sent)
     for name in names:
         _check_name(benchmark, own, name)
@@ -106,7 +106,7 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
         for values in itertools.product(*(axis.values for axis in axes))
     )
     return [
-        submission.validate(
+        validation.validate(
             replace(
                 sent,
                 seed=seed,

@@ -6,7 +6,7 @@ from sqlalchemy import update
 
 from seamark.server.accounts import audit
 from seamark.server.accounts.audit import Actor, AuditAction, AuditFilter
-from seamark.server.database.audit_table import AuditEntry
+from seamark.server.database.operation_tables import AuditEntry
 from tests.cast import Backend
 
 ROOT = Actor("root", "192.0.2.7")

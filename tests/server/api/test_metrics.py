@@ -12,8 +12,8 @@ from redis import Redis
 from seamark.server.app import create_app
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring import meters
-from seamark.server.runs.queue import queue
-from seamark.server.runs.queue.queue import AttemptEnd
+from seamark.server.runs.queue import lost_attempts, queue
+from seamark.server.runs.queue.lost_attempts import AttemptEnd
 from tests.cast import Backend
 from tests.server.api.conftest import Site
 
@@ -92,7 +92,7 @@ def test_a_lost_worker_is_counted_with_what_became_of_its_run(site: Site) -> Non
     with site.database.writing() as session:
         claim = queue.try_claim(session, "w/0", languages=(), settings=site.settings)
         assert claim is not None
-        queue.release(session, claim, AttemptEnd.WORKER_LOST, settings=site.settings)
+        lost_attempts.release(session, claim, AttemptEnd.WORKER_LOST, settings=site.settings)
 
     found = scrape(site)
 

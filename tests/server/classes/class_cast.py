@@ -4,8 +4,8 @@ from typing import Any
 
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
-from seamark.server.runs.submission import assigned, submission
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission import assigned, submission, validation
+from seamark.server.runs.submission.validation import Submission
 from tests.cast import PI_RUN, Backend
 
 
@@ -30,5 +30,5 @@ def hand_in(both: Backend, who: str, assignment: int, **changes: Any) -> int:
     wanted = PI_RUN | {"viewer": both.viewers[who]} | changes
     with both.database.writing() as session:
         sent = assigned.for_assignment(session, assignment, Submission(**wanted))
-        valid = submission.validate(sent, both.settings)
+        valid = validation.validate(sent, both.settings)
         return submission.submit(session, valid, both.settings)

@@ -12,8 +12,8 @@ from seamark.server.classes.progress import PupilProgress
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.class_tables import Assignment
 from seamark.server.runs.record.states import RunKind
-from seamark.server.runs.submission import assigned, submission
-from seamark.server.runs.submission.submission import Submission, SubmissionRejected
+from seamark.server.runs.submission import assigned, submission, validation
+from seamark.server.runs.submission.validation import Submission, SubmissionRejected
 from tests.cast import PI_RUN, Backend
 from tests.server.classes.class_cast import assign, classroom, hand_in
 
@@ -147,7 +147,7 @@ def test_a_run_validated_before_the_deadline_is_refused_when_it_is_inserted_afte
         pytest.raises(SubmissionRejected, match="deadline"),
         both.database.writing() as session,
     ):
-        submission.submit(session, submission.validate(sent, both.settings), both.settings)
+        submission.submit(session, validation.validate(sent, both.settings), both.settings)
 
 
 def test_the_teacher_sees_the_best_run_and_the_number_of_runs_of_each_pupil(both: Backend) -> None:

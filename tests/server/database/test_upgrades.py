@@ -17,9 +17,9 @@ from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
-from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
+from seamark.server.database.operation_tables import DiskUsage
 from seamark.server.database.publication_tables import Verification
 from seamark.server.database.queue_tables import Counter
 from seamark.server.database.rejudgement_tables import RejudgedRun

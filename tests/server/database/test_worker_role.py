@@ -21,8 +21,10 @@ from seamark.server.programs import check_queue, store
 from seamark.server.runs.data import disk_usage, retention
 from seamark.server.runs.data.retention import Sweep
 from seamark.server.runs.leaderboard import best_runs
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue.queue import AttemptEnd, LeaseStatus
+from seamark.server.runs.queue.lost_attempts import AttemptEnd
+from seamark.server.runs.queue.queue import LeaseStatus
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from tests.cast import Backend
@@ -108,7 +110,9 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
     assert worker.finish(succeeded)
     released = worker.claim_next()
     with worker.database.writing() as session:
-        state = run_queue.release(session, released, AttemptEnd.SHUTDOWN, settings=worker.settings)
+        state = lost_attempts.release(
+            session, released, AttemptEnd.SHUTDOWN, settings=worker.settings
+        )
         check = check_queue.claim(session, "w1/checks", languages=("python",), lease_s=30.0)
         assert check is not None
         assert check_queue.renew(session, check)
@@ -116,10 +120,10 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
         check_queue.recover(session, {})
     lost = worker.claim_next()
     with worker.database.reading() as session:
-        leases = run_queue.leases(session)
+        leases = lost_attempts.leases(session)
     with worker.database.writing() as session:
-        recovery = run_queue.recover(session, leases, worker.settings)
-        run_queue.tidy(session)
+        recovery = lost_attempts.recover(session, leases, worker.settings)
+        lost_attempts.tidy(session)
         best_runs.complete_metrics(session)
     Sweep(worker.database, worker.settings).step()
     retention.delete(worker.database, worker.settings, [succeeded.run_id])

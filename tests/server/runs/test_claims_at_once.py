@@ -15,8 +15,8 @@ from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.programs import check_queue
+from seamark.server.runs.queue import lost_attempts, start_order
 from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue import start_order
 from seamark.server.runs.queue.order import GUEST_SHARE
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunState
@@ -94,7 +94,7 @@ def test_a_machine_that_vanishes_in_a_claim_delays_no_recovery(backend: Backend)
         session.execute(update(Run).where(Run.id == lost.run_id).values(lease_until=1.0))
 
     with _vanished(backend), backend.database.writing() as session:
-        recovery = run_queue.recover(session, {lost.run_id: 1.0}, backend.settings)
+        recovery = lost_attempts.recover(session, {lost.run_id: 1.0}, backend.settings)
 
     assert recovery.requeued == [lost.run_id]
 
@@ -109,9 +109,9 @@ def test_a_run_whose_owner_is_held_by_a_vanished_machine_is_recovered_later(
     leases = {anns.run_id: 1.0, bens.run_id: 1.0}
 
     with _vanished(backend), backend.database.writing() as session:
-        first = run_queue.recover(session, leases, backend.settings)
+        first = lost_attempts.recover(session, leases, backend.settings)
     with backend.database.writing() as session:
-        second = run_queue.recover(session, leases, backend.settings)
+        second = lost_attempts.recover(session, leases, backend.settings)
 
     assert (first.requeued, second.requeued) == ([bens.run_id], [anns.run_id])
 
@@ -123,7 +123,7 @@ def test_a_machine_that_vanishes_in_the_maintenance_stops_no_recovery(backend: B
     machine = Database(backend.settings.database_url, idle_s=PATIENCE_S)
 
     with Session(machine.engine) as vanished:
-        run_queue.tidy(vanished)
+        lost_attempts.tidy(vanished)
         recoverer = Recoverer(app, backend.database, redis, quick)
         recoverer.recover_runs()
         recoverer.recover_runs()

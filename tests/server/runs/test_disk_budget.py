@@ -11,7 +11,7 @@ from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run
 from seamark.server.runs.submission import baselines, quota
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission.validation import SubmissionRejected
 from tests.cast import Backend
 
 MIB = 2**20

@@ -16,7 +16,7 @@ from seamark.server.app import create_app
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.rejudgement_tables import Rejudgement
-from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.submission_tables import Sweep
 from seamark.server.runs.downloads.conversions import Conversions
 from seamark.server.web import authentication
 from seamark.server.web.asgi import APART

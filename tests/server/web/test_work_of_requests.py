@@ -17,6 +17,7 @@ from performance.service.database.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
 from seamark.server.runs.leaderboard import leaderboard
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing import run_lists
@@ -189,9 +190,9 @@ def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) ->
         run_queue.claim(database, "w", languages=("python",), settings=site.settings)
     heavy["claim"] = work.heavy()
     with work.recorded(), database.writing() as session:
-        leases = run_queue.leases(session)
-        run_queue.recover(session, leases, site.settings)
-        run_queue.tidy(session)
+        leases = lost_attempts.leases(session)
+        lost_attempts.recover(session, leases, site.settings)
+        lost_attempts.tidy(session)
     heavy["sweep"] = work.heavy()
     client = site.client()
     with work.recorded():

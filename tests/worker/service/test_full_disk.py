@@ -13,7 +13,7 @@ from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.programs import store
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunState
 from seamark.server.storage import storage
@@ -91,7 +91,7 @@ def test_a_run_whose_data_never_fit_ends_as_a_failure_of_the_platform(
     backend: Backend, context: RunContext
 ) -> None:
     claim = backend.running("ann", config=SHORT)
-    for _ in range(run_queue.INTERRUPTIONS_MAX):
+    for _ in range(lost_attempts.INTERRUPTIONS_MAX):
         evaluate(_with(context, free_min_bytes=MORE_THAN_ANY_DISK), claim)
         claim = backend.claim() or claim
 
@@ -109,8 +109,8 @@ def test_with_no_room_for_the_database_either_the_run_is_repeated_after_its_leas
     assert (went_well, backend.show(claim.run_id).state) == (False, RunState.RUNNING)
 
     with backend.database.writing() as session:
-        abandoned = run_queue.leases(session)
-        run_queue.recover(session, abandoned, backend.settings)
+        abandoned = lost_attempts.leases(session)
+        lost_attempts.recover(session, abandoned, backend.settings)
     assert evaluate(context, backend.claim_next())
 
     assert backend.show(claim.run_id).digest == _digest(SHORT)
@@ -122,7 +122,7 @@ def test_a_new_attempt_removes_the_files_of_the_dead_ones(
     claim = backend.running("ann", config=SHORT)
     RunFiles(backend.settings.data, claim.run_id, claim.attempt).append_log(b"dead")
     with backend.database.writing() as session:
-        run_queue.recover(session, run_queue.leases(session), backend.settings)
+        lost_attempts.recover(session, lost_attempts.leases(session), backend.settings)
 
     assert evaluate(context, backend.claim_next())
 

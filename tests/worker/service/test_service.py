@@ -13,8 +13,8 @@ from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.runs.record.states import RunState
-from seamark.server.runs.submission import quota, submission
-from seamark.server.runs.submission.submission import Submission
+from seamark.server.runs.submission import quota, submission, validation
+from seamark.server.runs.submission.validation import Submission
 from seamark.server.web.streams.hub import Hub
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
@@ -195,7 +195,7 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
         order = Submission(
             viewer=running.viewers["ann"], benchmark="currents-v1", config=SHORT, controller="pi"
         )
-        valid = submission.validate(order, running.settings)
+        valid = validation.validate(order, running.settings)
         run_id = submission.submit(session, valid, running.settings)
         # As an update of the software leaves it that has narrowed a range.
         session.get_one(Run, run_id).config = {"kp": 99.0}

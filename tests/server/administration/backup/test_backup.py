@@ -23,7 +23,7 @@ from seamark.server.messaging import workers
 from seamark.server.programs import store
 from seamark.server.runs.data import retention
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.queue import queue
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from seamark.server.storage import objects, storage
@@ -114,7 +114,7 @@ def test_a_service_restored_elsewhere_has_the_same_leaderboard_data_and_queue(
     assert summary == made.summary
     assert (elsewhere.data / "seed_key").read_text() == both.settings.seed_key
     with restored.database.writing() as session:
-        queue.recover(session, queue.leases(session), elsewhere)
+        lost_attempts.recover(session, lost_attempts.leases(session), elsewhere)
     claimed = {restored.claim_next().run_id, restored.claim_next().run_id}
     assert claimed == {running, queued}
     assert restored.show(running).attempt == 2

@@ -10,7 +10,7 @@ from seamark.server.accounts import accounts, identities, invitations
 from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.identities import Identity
 from seamark.server.app import create_app
-from seamark.server.database.audit_table import AuditEntry
+from seamark.server.database.operation_tables import AuditEntry
 from seamark.server.database.tables import BrowserSession
 from seamark.server.runs.ending import account_deletion
 from seamark.server.web import identity_provider

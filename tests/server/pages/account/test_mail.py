@@ -12,8 +12,8 @@ from sqlalchemy import select
 from seamark.server.accounts import accounts, identities
 from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.identities import Identity
-from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.mail_tables import OutgoingMail
+from seamark.server.database.operation_tables import AuditEntry
 from seamark.server.mail import addresses
 from seamark.server.mail.outbox import MailKind
 from seamark.server.web import authentication

@@ -9,7 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from seamark.server.database.rank_tables import ScoreCount
+from seamark.server.database.publication_tables import ScoreCount
 from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import best_runs, leaderboard, score_counts
 from seamark.server.runs.leaderboard.leaderboard import Cursor

@@ -15,9 +15,10 @@ from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import workers
 from seamark.server.runs.ending import results
 from seamark.server.runs.ending.results import ResultInvalid
+from seamark.server.runs.queue import lost_attempts, wait_estimate
 from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue import wait_estimate
-from seamark.server.runs.queue.queue import AttemptEnd, Claim, LeaseStatus, Recovery
+from seamark.server.runs.queue.lost_attempts import AttemptEnd, Recovery
+from seamark.server.runs.queue.queue import Claim, LeaseStatus
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.states import NEXT_STATES, RunKind, RunState
 from seamark.server.runs.showing import views
@@ -39,11 +40,11 @@ def _silence(both: Backend, run_id: int) -> None:
 def _sweep(both: Backend) -> Recovery:
     watch = LeaseWatch(lease_s=both.settings.lease_s, renewal_s=both.settings.heartbeat_s)
     with both.database.reading() as session:
-        leases = run_queue.leases(session)
+        leases = lost_attempts.leases(session)
     watch.abandoned(leases, now_s=0.0)
     abandoned = watch.abandoned(leases, now_s=2 * both.settings.heartbeat_s)
     with both.database.writing() as session:
-        return run_queue.recover(session, abandoned, both.settings)
+        return lost_attempts.recover(session, abandoned, both.settings)
 
 
 def test_a_run_is_claimed_once(both: Backend) -> None:
@@ -90,7 +91,7 @@ def test_a_worker_whose_lease_expired_cannot_write(both: Backend) -> None:
 def _end_attempt(both: Backend, end: AttemptEnd) -> None:
     claim = both.claim_next()
     with both.database.writing() as session:
-        run_queue.release(session, claim, end, settings=both.settings)
+        lost_attempts.release(session, claim, end, settings=both.settings)
 
 
 def test_the_third_evaluation_that_breaks_is_a_platform_failure(both: Backend) -> None:
@@ -126,7 +127,7 @@ def test_a_run_that_takes_down_ten_workers_or_fills_ten_disks_gets_no_eleventh(
 ) -> None:
     run_id = both.queue("ann")
 
-    for _ in range(run_queue.INTERRUPTIONS_MAX - 1):
+    for _ in range(lost_attempts.INTERRUPTIONS_MAX - 1):
         _end_attempt(both, end)
     before = both.show(run_id).state
     _end_attempt(both, end)
@@ -155,7 +156,7 @@ def test_the_runs_of_a_process_that_has_ended_are_queued_before_their_leases_end
         assert both.claim(name) is not None
 
     with both.database.writing() as session:
-        recovery = run_queue.recover_from(session, "w/0", both.settings)
+        recovery = lost_attempts.recover_from(session, "w/0", both.settings)
 
     assert (recovery.requeued, recovery.failed, recovery.tickets) == ([run_ids[0]], [], 1)
     assert both.show(run_ids[1]).state is RunState.RUNNING
@@ -164,11 +165,11 @@ def test_the_runs_of_a_process_that_has_ended_are_queued_before_their_leases_end
 def test_a_lease_that_was_renewed_after_it_was_read_is_not_abandoned(both: Backend) -> None:
     claim = both.running("ann")
     with both.database.reading() as session:
-        read_before = run_queue.leases(session)
+        read_before = lost_attempts.leases(session)
     assert _heartbeat(both, claim) is LeaseStatus.HELD
 
     with both.database.writing() as session:
-        recovery = run_queue.recover(session, read_before, both.settings)
+        recovery = lost_attempts.recover(session, read_before, both.settings)
 
     assert recovery.requeued == []
     assert both.finish(claim)
@@ -181,7 +182,7 @@ def test_a_run_released_at_shutdown_is_no_failed_attempt(both: Backend) -> None:
         claim = both.claim()
         assert claim is not None
         with both.database.writing() as session:
-            run_queue.release(session, claim, AttemptEnd.SHUTDOWN, settings=both.settings)
+            lost_attempts.release(session, claim, AttemptEnd.SHUTDOWN, settings=both.settings)
 
     assert both.show(run_id).state is RunState.QUEUED
 
@@ -303,7 +304,7 @@ class _Story:
 
     def back(self, claim: Claim) -> None:
         with self.both.database.writing() as session:
-            run_queue.release(
+            lost_attempts.release(
                 session, claim, AttemptEnd.EVALUATION_BROKE, settings=self.both.settings
             )
 

@@ -8,11 +8,13 @@ from sqlalchemy import select
 from seamark.server.administration import rejudge_choice
 from seamark.server.administration.rejudge_choice import RunChoice
 from seamark.server.database.queue_tables import Pace
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue.queue import AttemptEnd, Claim
+from seamark.server.runs.queue.lost_attempts import AttemptEnd
+from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.solutions import solution
 from seamark.server.runs.record.states import RunKind, RunState
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission.validation import SubmissionRejected
 from tests.cast import Backend
 
 CONNECTED: dict[str, Any] = {"controller": "rosbridge", "connected": True}
@@ -42,7 +44,7 @@ def test_whatever_ends_its_attempt_ends_the_run(
     backend: Backend, claim: Claim, end: AttemptEnd
 ) -> None:
     with backend.database.writing() as session:
-        state = run_queue.release(session, claim, end, settings=backend.settings)
+        state = lost_attempts.release(session, claim, end, settings=backend.settings)
 
     run = backend.show(claim.run_id)
     assert state is run.state is RunState.FAILED
@@ -53,7 +55,7 @@ def test_whatever_ends_its_attempt_ends_the_run(
 
 def test_a_worker_that_died_takes_the_run_with_it(backend: Backend, claim: Claim) -> None:
     with backend.database.writing() as session:
-        recovery = run_queue.recover_from(session, claim.worker, backend.settings)
+        recovery = lost_attempts.recover_from(session, claim.worker, backend.settings)
 
     assert recovery.failed == [claim.run_id]
     assert not recovery.requeued

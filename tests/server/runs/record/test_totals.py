@@ -7,14 +7,14 @@ from sqlalchemy import update
 
 from seamark.server.database import counters
 from seamark.server.database.tables import Run
-from seamark.server.runs.queue import queue as run_queue
+from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.record import totals
 from tests.cast import Backend
 
 
 def _sweep(both: Backend) -> None:
     with both.database.writing() as session:
-        run_queue.tidy(session)
+        lost_attempts.tidy(session)
 
 
 def _age(both: Backend, run_id: int, ended_s_ago: float) -> None:

@@ -12,7 +12,7 @@ from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.submission import baselines, quota, submission
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import SubmissionRejected
+from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.storage import installation
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid

@@ -6,16 +6,16 @@ import pytest
 from redis import Redis
 from sqlalchemy import func, select
 
-from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.submission_tables import Sweep
 from seamark.server.database.tables import Run
 from seamark.server.runs.ending import cancellation
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import views
 from seamark.server.runs.submission import sweeps
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.runs.submission.submission import Submission, SubmissionRejected
 from seamark.server.runs.submission.sweep_axes import Axis, read_axis
 from seamark.server.runs.submission.sweeps import SweepView
+from seamark.server.runs.submission.validation import Submission, SubmissionRejected
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from tests.cast import PI_RUN, Backend
 

@@ -1,8 +1,8 @@
-"""The table of who did what."""
+"""What operators look at: the audit log, and how much room everything takes."""
 
 from typing import Any
 
-from sqlalchemy import JSON, Index, String
+from sqlalchemy import JSON, BigInteger, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from seamark.server.database.tables import Base, RowId
@@ -27,3 +27,14 @@ class AuditEntry(Base):
         Index("ix_audit_entries_target_id", "target", "id"),
         {"sqlite_autoincrement": True},  # old rows are deleted, and ids must not be reused
     )
+
+
+class DiskUsage(Base):
+    """A part of the service, an owner of runs, or what a rule of retention would delete."""
+
+    __tablename__ = "disk_usage"
+
+    kind: Mapped[str] = mapped_column(String(20), primary_key=True)
+    name: Mapped[str] = mapped_column(String(80), primary_key=True)
+    bytes: Mapped[int] = mapped_column(BigInteger)
+    count: Mapped[int] = mapped_column(BigInteger)

@@ -1,0 +1,195 @@
+"""The rules of a submission that need no database, for the form, the API, checks and baselines."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from seamark.programs import configurations
+from seamark.programs.configurations import RunConfiguration
+from seamark.programs.parameters import Parameter
+from seamark.sandbox.languages import role_refusal
+from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs.data import run_size
+from seamark.server.runs.data.run_size import RunSize
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission import ranked_scenario
+from seamark.server.settings import Settings
+from seamark.sim import registry
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.engine.seeds import SEED_MAX
+from seamark.sim.settings.configuration import Configuration
+
+UPLOAD = "upload"  # the controller of a run whose program was uploaded
+
+
+class SubmissionRejected(Exception):
+    """The submission breaks a rule. The text is for the user; `field` names the part at fault."""
+
+    def __init__(self, sentence: str, *, field: str = "") -> None:
+        super().__init__(sentence)
+        self.field = field
+
+
+class SignInNeeded(SubmissionRejected):
+    """The viewer has neither an account nor a guest's cookie, so could not find the run again."""
+
+
+class AccountNeeded(SubmissionRejected):
+    """Guests may not submit this."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Submission:
+    """What a user sends, not validated. `config` may leave out settings that have defaults."""
+
+    viewer: Viewer
+    benchmark: str
+    config: Mapping[str, object]
+    kind: RunKind = RunKind.PRACTICE
+    controller: str = UPLOAD
+    program: StoredProgram | None = None
+    seed: int | None = None  # practice only; None: drawn
+    trials: int | None = None  # practice only; None: one
+    title: str = ""
+    notes: str = ""
+    rerun_of: int | None = None
+    assignment: int | None = None  # of a class, for which the run is to count
+    baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
+    connected: bool = False  # its program takes part over the network, see `solutions`
+
+
+@dataclass(frozen=True, slots=True)
+class ValidSubmission:
+    """A submission that `validate` accepted, with its complete configuration."""
+
+    submission: Submission
+    benchmark: Benchmark
+    config: Configuration
+    trials: int
+    size: RunSize  # what it may record
+    whole: RunConfiguration  # as it was sent, with the parameters of the program
+
+
+def validate(submission: Submission, settings: Settings) -> ValidSubmission:
+    """Return the submission with its parsed configuration.
+
+    Raises
+    ------
+    ConfigurationInvalid
+        The configuration is wrong: a sentence for each setting.
+    SubmissionRejected
+        Another rule is broken.
+    """
+    benchmark = find_benchmark(submission.benchmark)
+    program = submission.program
+    declared: tuple[Parameter, ...] = ()
+    if program is not None:
+        declared = configurations.declared_in(benchmark, program.language, program.parameters)
+    whole = configurations.read(benchmark, submission.config, declared)
+    config = whole.settings
+    require_permission(
+        submission.viewer, kind=submission.kind, uploads=submission.program is not None
+    )
+    if submission.kind is RunKind.RANKED:
+        chosen = submission.controller
+        config = ranked_scenario.apply(benchmark, submission.config, config, controller=chosen)
+        trials = _ranked_trials(submission, benchmark, settings)
+    else:
+        trials = _practice_trials(submission, settings)
+    if (submission.controller == UPLOAD) != (submission.program is not None):
+        raise SubmissionRejected(
+            f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
+        )
+    if submission.connected:
+        _check_connected(submission, benchmark)
+    elif submission.program is None:
+        _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
+    else:
+        check_language(benchmark, submission.program.language)
+    program_bytes = None if program is None else program.size
+    size = run_size.estimate(config, trials=trials, program_bytes=program_bytes)
+    refusal = size.refusal(settings.run_max_bytes)
+    if refusal is not None and submission.kind is RunKind.PRACTICE:
+        raise SubmissionRejected(refusal)
+    return ValidSubmission(submission, benchmark, config, trials, size, whole)
+
+
+def find_benchmark(name: str) -> Benchmark:
+    """Return a benchmark; raises SubmissionRejected if it does not exist."""
+    if name not in registry.BENCHMARKS:
+        raise SubmissionRejected(f"There is no benchmark {name}.", field="benchmark")
+    return registry.benchmark(name)
+
+
+def ranked_trials(benchmark: Benchmark, settings: Settings) -> int:
+    """Return the number of trials of a ranked run."""
+    protocol = benchmark.protocol
+    return settings.ranked_trials if protocol is None else protocol.trials
+
+
+def require_permission(
+    viewer: Viewer, *, kind: RunKind = RunKind.PRACTICE, uploads: bool = False
+) -> None:
+    """Raise SubmissionRejected if the viewer may not submit such a run."""
+    if kind is RunKind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
+        raise AccountNeeded("A ranked run needs an account: the leaderboard shows its name.")
+    if uploads and not can(viewer, Action.UPLOAD):
+        raise AccountNeeded("Uploading a program needs an account.", field="program")
+    if not can(viewer, Action.SUBMIT):
+        raise SignInNeeded("Sign in, or allow cookies: a guest's runs are found by a cookie.")
+
+
+def check_language(benchmark: Benchmark, language: str) -> None:
+    """Raise SubmissionRejected if no program in this language can have the benchmark's role."""
+    if refusal := role_refusal(language, benchmark.role):
+        sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
+        raise SubmissionRejected(sentence, field="program")
+
+
+def _ranked_trials(submission: Submission, benchmark: Benchmark, settings: Settings) -> int:
+    trials = ranked_trials(benchmark, settings)
+    if submission.seed is not None:
+        raise SubmissionRejected(ranked_scenario.SEED_REFUSAL, field="seed")
+    if submission.trials not in (None, trials):
+        raise SubmissionRejected(ranked_scenario.trials_refusal(trials), field="trials")
+    return trials
+
+
+def _practice_trials(submission: Submission, settings: Settings) -> int:
+    trials, trials_max = (
+        1 if submission.trials is None else submission.trials,
+        settings.practice_trials_max,
+    )
+    if not 1 <= trials <= trials_max:
+        raise SubmissionRejected(f"A practice run has 1 to {trials_max} trials.", field="trials")
+    if submission.seed is not None and not 0 <= submission.seed <= SEED_MAX:
+        raise SubmissionRejected(f"A seed is a whole number from 0 to {SEED_MAX}.", field="seed")
+    return trials
+
+
+def _check_connected(submission: Submission, benchmark: Benchmark) -> None:
+    if benchmark.role != "controller":
+        raise SubmissionRejected(
+            f"{benchmark.name} evaluates a {benchmark.role}; a bridge connects a controller.",
+            field="benchmark",
+        )
+    if submission.kind is not RunKind.PRACTICE:
+        raise SubmissionRejected(
+            "A connected program cannot be run again, so its run does not rank: upload the program."
+        )
+
+
+def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) -> None:
+    if controller in benchmark.built_in:
+        return
+    if controller in benchmark.reference_built_in:
+        if baseline:
+            return
+        raise SubmissionRejected(
+            f"{benchmark.reference_built_in[controller]} is a reference entry: the service runs it "
+            "itself, as a mark on the leaderboard.",
+            field="controller",
+        )
+    choice = f"Choose a {benchmark.role}: {', '.join(benchmark.built_in)}, or your own program."
+    unknown = f"{benchmark.name} has no built-in {benchmark.role} {controller}. "
+    raise SubmissionRejected(unknown + choice if controller else choice, field="controller")
