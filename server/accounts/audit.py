@@ -143,11 +143,11 @@ def page(
         window = window.where(AuditEntry.id < after)
     seen = session.scalars(window.limit(SEEN_MAX if others else limit + 1)).all()
     query = select(AuditEntry).where(AuditEntry.id.in_(seen), *others)
-    found = session.scalars(query.order_by(AuditEntry.id.desc()).limit(limit + 1)).all()
-    following = found[limit - 1].id if len(found) > limit else None
+    rows = session.scalars(query.order_by(AuditEntry.id.desc()).limit(limit + 1)).all()
+    following = rows[limit - 1].id if len(rows) > limit else None
     if following is None and others and len(seen) == SEEN_MAX:
         following = seen[-1]
-    return AuditPage(found[:limit], following)
+    return AuditPage(rows[:limit], following)
 
 
 def as_dict(entry: AuditEntry) -> dict[str, Any]:

@@ -63,8 +63,8 @@ def _runs(session: Session, condition: ColumnElement[bool]) -> list[LiveRun]:
     copied = [name for name in LiveRun.__dataclass_fields__ if name not in ("user", "worker")]
     columns = (*(getattr(Run, name) for name in copied), Run.worker, User.name.label("user"))
     query = select(*columns).outerjoin(User, User.id == Run.user_id).where(condition)
-    found = session.execute(query.order_by(Run.id).limit(RUNNING_MAX)).mappings()
-    return [LiveRun(**{**row, "worker": _worker(row["worker"])}) for row in found]
+    rows = session.execute(query.order_by(Run.id).limit(RUNNING_MAX)).mappings()
+    return [LiveRun(**{**row, "worker": _worker(row["worker"])}) for row in rows]
 
 
 def _worker(process: str | None) -> str | None:

@@ -35,17 +35,17 @@ class PersonFilter:
 
     def conditions(self) -> list[ColumnElement[bool]]:
         """Return the conditions on `User`."""
-        found: list[ColumnElement[bool]] = [
+        conditions: list[ColumnElement[bool]] = [
             User.is_baseline.is_(False),
             User.id.not_in(select(AccountDeletion.user_id)),
         ]
         if self.text:
-            found.append(User.name_key.contains(self.text.casefold(), autoescape=True))
+            conditions.append(User.name_key.contains(self.text.casefold(), autoescape=True))
         if self.role is not None:
-            found.append(User.role == self.role.label)
+            conditions.append(User.role == self.role.label)
         if self.disabled:
-            found.append(User.disabled_at.is_not(None))
-        return found
+            conditions.append(User.disabled_at.is_not(None))
+        return conditions
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +76,8 @@ def page(
     query = select(User).where(*wanted.conditions()).order_by(User.id.desc())
     if after is not None:
         query = query.where(User.id < after)
-    found = session.scalars(query.limit(limit + 1)).all()
-    return PersonPage(found[:limit], found[limit - 1].id if len(found) > limit else None)
+    rows = session.scalars(query.limit(limit + 1)).all()
+    return PersonPage(rows[:limit], rows[limit - 1].id if len(rows) > limit else None)
 
 
 def find(session: Session, user_id: int) -> User | None:

@@ -69,27 +69,27 @@ def choose(session: Session, choice: RunChoice) -> Chosen:
     seen = window.c
     columns = (seen.id, seen.started_at, seen.finished_at, seen.data_bytes)
     query = select(*columns).where(*_conditions(choice, seen))
-    found = session.execute(query.order_by(seen.id.desc())).all()
+    rows = session.execute(query.order_by(seen.id.desc())).all()
     next_one = select(Run.id).where(*period).limit(1).offset(RUNS_MAX)
     return Chosen(
-        runs=[row.id for row in found],
+        runs=[row.id for row in rows],
         complete=session.scalar(next_one) is None,
-        machine_s=sum((row.finished_at or 0.0) - (row.started_at or 0.0) for row in found),
-        data_bytes=sum(row.data_bytes for row in found),
+        machine_s=sum((row.finished_at or 0.0) - (row.started_at or 0.0) for row in rows),
+        data_bytes=sum(row.data_bytes for row in rows),
     )
 
 
 def _period(choice: RunChoice) -> list[ColumnElement[bool]]:
     """Return the conditions that an index has."""
-    found: list[ColumnElement[bool]] = [
+    conditions: list[ColumnElement[bool]] = [
         Run.benchmark == choice.benchmark,
         Run.finished_at.is_not(None),
     ]
     if choice.ended_from is not None:
-        found.append(Run.finished_at >= choice.ended_from)
+        conditions.append(Run.finished_at >= choice.ended_from)
     if choice.ended_to is not None:
-        found.append(Run.finished_at < choice.ended_to)
-    return found
+        conditions.append(Run.finished_at < choice.ended_to)
+    return conditions
 
 
 def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:

@@ -135,9 +135,9 @@ def page(
     query = select(Rejudgement).order_by(Rejudgement.id.desc()).limit(limit + 1)
     if after is not None:
         query = query.where(Rejudgement.id < after)
-    found = session.scalars(query).all()
-    views = [RejudgementView(row, _progress(session, row.id)) for row in found[:limit]]
-    return views, found[limit - 1].id if len(found) > limit else None
+    rows = session.scalars(query).all()
+    views = [RejudgementView(row, _progress(session, row.id)) for row in rows[:limit]]
+    return views, rows[limit - 1].id if len(rows) > limit else None
 
 
 def show(session: Session, rejudgement_id: int) -> RejudgementView | None:
@@ -161,8 +161,8 @@ def differences(
     )
     if after is not None:
         query = query.where(RejudgedRun.run_id > after)
-    found = session.execute(query.order_by(RejudgedRun.run_id).limit(max(1, limit))).all()
-    preview = None if row.decision is not None or not found else _preview(session, row)
+    rows = session.execute(query.order_by(RejudgedRun.run_id).limit(max(1, limit))).all()
+    preview = None if row.decision is not None or not rows else _preview(session, row)
     return [
         Difference(
             run_id=run_id,
@@ -175,16 +175,16 @@ def differences(
             rank=None if preview is None or user_id is None else preview.of(user_id),
             key=each.run_id,
         )
-        for each, run_id, kind, user_id, name in found
+        for each, run_id, kind, user_id, name in rows
     ]
 
 
 def all_differences(session: Session, row: Rejudgement) -> Iterator[Difference]:
     """Yield all differences, at most `RUNS_MAX`."""
     after: int | None = None
-    while found := differences(session, row, after=after, limit=BATCH):
-        yield from found
-        after = found[-1].key
+    while differing := differences(session, row, after=after, limit=BATCH):
+        yield from differing
+        after = differing[-1].key
 
 
 def accept(session: Session, actor: Actor, rejudgement_id: int) -> None:
@@ -282,8 +282,8 @@ def _progress(session: Session, rejudgement_id: int) -> Progress:
     sums = [func.coalesce(func.sum(each), 0) for each in (live, *of, done)]
     query = select(func.count(), *sums).select_from(RejudgedRun)
     query = query.join(Run, Run.id == RejudgedRun.run_id)
-    found = session.execute(query.where(RejudgedRun.rejudgement_id == rejudgement_id)).one()
-    runs, waiting, same, different, part = found
+    row = session.execute(query.where(RejudgedRun.rejudgement_id == rejudgement_id)).one()
+    runs, waiting, same, different, part = row
     return Progress(
         runs=runs, live=waiting, same=same, different=different, part=part / runs if runs else 1.0
     )

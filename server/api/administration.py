@@ -63,11 +63,11 @@ def show_overview() -> dict[str, Any]:
     """Return the state of the service and what needs attention."""
     held = services()
     with held.database.reading() as session:
-        found = overview.overview(session, held.settings)
+        overview_now = overview.overview(session, held.settings)
     names = ("queued", "running", "oldest_queued_at", "slots", "free_bytes", "causes")
-    return {name: getattr(found, name) for name in names} | {
-        "ended": {state.value: count for state, count in found.ended.items()},
-        "alerts": [alert.sentence for alert in found.warnings],
+    return {name: getattr(overview_now, name) for name in names} | {
+        "ended": {state.value: count for state, count in overview_now.ended.items()},
+        "alerts": [alert.sentence for alert in overview_now.warnings],
     }
 
 
@@ -96,9 +96,9 @@ def change_worker(path: WorkerPath, body: WorkerChange) -> dict[str, Any]:
 def show_queue() -> dict[str, Any]:
     """Return the runs that start next, in their order, and those that are evaluated."""
     with services().database.reading() as session:
-        found = live_runs.listed(session)
-    lists = {"waiting": found.waiting, "running": found.running}
-    return {"queued": found.length} | {
+        live = live_runs.listed(session)
+    lists = {"waiting": live.waiting, "running": live.running}
+    return {"queued": live.length} | {
         name: [asdict(run) for run in runs] for name, runs in lists.items()
     }
 

@@ -73,12 +73,12 @@ def list_progress(path: AssignmentPath, query: ProgressQuery) -> Response:
 
     As CSV it has all students, with the seed and the metrics of the best run.
     """
-    found = class_access.taught_assignment(path.assignment_id)
+    assignment = class_access.taught_assignment(path.assignment_id)
     if query.format == "csv":
-        lines = assignment_csv.lines(services().database, found)
+        lines = assignment_csv.lines(services().database, assignment)
         return Response(lines, content_type=csv_export.MEDIA_TYPE)
     with services().database.reading() as database:
-        listed = progress.page(database, found.class_id, found.id, after=query.after)
+        listed = progress.page(database, assignment.class_id, assignment.id, after=query.after)
     pupils = [
         {
             "user_id": each.pupil.user_id,
@@ -96,9 +96,9 @@ def list_progress(path: AssignmentPath, query: ProgressQuery) -> Response:
 def list_own_runs(path: AssignmentPath) -> dict[str, Any]:
     """List your own runs for an assignment, newest first."""
     user_id = access.require_account(Action.VIEW_CLASSES)
-    found = class_access.assignment_for(path.assignment_id)
+    assignment = class_access.assignment_for(path.assignment_id)
     with services().database.reading() as database:
-        runs = progress.own_runs(database, found.id, user_id)
+        runs = progress.own_runs(database, assignment.id, user_id)
     return {"runs": [_run(run) for run in runs]}
 
 
@@ -106,11 +106,11 @@ def list_own_runs(path: AssignmentPath) -> dict[str, Any]:
 def show_ranking(path: AssignmentPath) -> dict[str, Any]:
     """Return the best scores of the class without names, if the teacher shows them."""
     user_id = access.require_account(Action.VIEW_CLASSES)
-    found = class_access.assignment_for(path.assignment_id)
-    if not found.shows_ranking and not class_access.is_teacher(found):
+    assignment = class_access.assignment_for(path.assignment_id)
+    if not assignment.shows_ranking and not class_access.is_teacher(assignment):
         raise Problem("forbidden", "The teacher does not show a ranking of this class.")
     with services().database.reading() as database:
-        places = progress.ranking(database, found.class_id, found.id, user_id)
+        places = progress.ranking(database, assignment.class_id, assignment.id, user_id)
     return {"places": [asdict(place) for place in places]}
 
 

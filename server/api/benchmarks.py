@@ -34,10 +34,10 @@ def list_all() -> dict[str, Any]:
 def show(path: BenchmarkPath) -> dict[str, Any]:
     """Return a benchmark with the JSON Schema of its configuration."""
     check(path.benchmark)
-    found = registry.benchmark(path.benchmark)
-    metric = found.headline
+    benchmark = registry.benchmark(path.benchmark)
+    metric = benchmark.headline
     return _summary(path.benchmark) | {
-        "compares": found.participants,
+        "compares": benchmark.participants,
         "headline": {
             "name": metric.name,
             "label": metric.label,
@@ -46,14 +46,16 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
         },
         "charts": [
             {"title": chart.title, "unit": chart.unit, "columns": list(chart.columns)}
-            for chart in found.charts
+            for chart in benchmark.charts
         ],
-        "role": found.role,
-        "starting_points": {name: asdict(point) for name, point in found.starting_points.items()},
-        "controllers": dict(found.built_in),
-        "ranked_trials": validation.ranked_trials(found, services().settings),
-        "protocol": None if found.protocol is None else asdict(found.protocol),
-        "schema": found.schema(),
+        "role": benchmark.role,
+        "starting_points": {
+            name: asdict(point) for name, point in benchmark.starting_points.items()
+        },
+        "controllers": dict(benchmark.built_in),
+        "ranked_trials": validation.ranked_trials(benchmark, services().settings),
+        "protocol": None if benchmark.protocol is None else asdict(benchmark.protocol),
+        "schema": benchmark.schema(),
     }
 
 
@@ -65,6 +67,6 @@ def check(name: str) -> None:
 
 
 def _summary(name: str) -> dict[str, Any]:
-    found = registry.benchmark(name)
+    benchmark = registry.benchmark(name)
     links = {"self": f"/api/v1/benchmarks/{name}", "leaderboard": f"/api/v1/leaderboards/{name}"}
-    return {"name": name, "title": found.title, "summary": found.summary, "links": links}
+    return {"name": name, "title": benchmark.title, "summary": benchmark.summary, "links": links}

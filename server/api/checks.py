@@ -134,9 +134,9 @@ def _response(view: CheckView, more: dict[str, Any]) -> Response:
 
 
 def _document(view: CheckView) -> dict[str, Any]:
-    found = view.report or check_report.from_diagnostics([]) | {"ok": None}
+    report = view.report or check_report.from_diagnostics([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
-    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | found
+    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | report
 
 
 def _only_read(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:

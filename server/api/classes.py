@@ -71,10 +71,10 @@ def create_class() -> Response:
 def _answer(class_id: int) -> dict[str, Any]:
     """Return a class to whoever has just created or joined it, whatever the token's scopes."""
     with services().database.reading() as database:
-        found = classrooms.find(database, class_id)
-    if found is None:
+        classroom = classrooms.find(database, class_id)
+    if classroom is None:
         raise Problem("not-found")
-    return class_answer(found)
+    return class_answer(classroom)
 
 
 @api.post("/classes/join", responses={200: ClassResponse})

@@ -157,13 +157,13 @@ def _document(runs: list[RunView], found: SideBySide) -> dict[str, Any]:
 
 
 def _series(run: RunView, columns: list[str], part: Part, max_points: int) -> dict[str, Any]:
-    found = overlaid_series.series(run, access.files_of(run), columns, part, max_points)
+    overlaid = overlaid_series.series(run, access.files_of(run), columns, part, max_points)
     return {
         "run": run.id,
-        "start_s": found.start_s,
-        "t": found.t.tolist(),
+        "start_s": overlaid.start_s,
+        "t": overlaid.t.tolist(),
         "columns": {
-            name: [_number(value) for value in found.values[:, at].tolist()]
+            name: [_number(value) for value in overlaid.values[:, at].tolist()]
             for at, name in enumerate(columns)
         },
     }

@@ -57,8 +57,8 @@ class EnvironmentResponse(BaseModel):
 def show() -> dict[str, Any]:
     """Return interpreters, compilers and libraries with the versions on the living workers."""
     with services().database.reading() as session:
-        found = workers.environments(session)
-    return {"languages": [_language(one) for one in found]}
+        environments = workers.environments(session)
+    return {"languages": [_language(one) for one in environments]}
 
 
 def _language(found: workers.Environment) -> dict[str, Any]:

@@ -61,8 +61,8 @@ def show(path: BenchmarkPath, query: RankQuery) -> Response:
         verified = board.verified(page)
         rows = [_row(rank, verified) for rank in page.ranks]
         marks = _reference_entries(path.benchmark)
-        found = {"ranks": rows, "reference_entries": marks, "next": following}
-        answer = jsonify({"benchmark": path.benchmark} | found)
+        listed = {"ranks": rows, "reference_entries": marks, "next": following}
+        answer = jsonify({"benchmark": path.benchmark} | listed)
     answer.headers["Vary"] = "Accept"
     return answer
 
@@ -175,7 +175,7 @@ def _row(rank: Rank, verified: Verified) -> dict[str, Any]:
 
 def _reference_entries(name: str) -> list[dict[str, Any]]:
     with services().database.reading() as session:
-        found = reference_entries.entries(session, registry.benchmark(name))
+        entries = reference_entries.entries(session, registry.benchmark(name))
     return [
         {
             "title": entry.title,
@@ -185,7 +185,7 @@ def _reference_entries(name: str) -> list[dict[str, Any]]:
             "is_bound": entry.is_bound,
             "run": entry.run_id,
         }
-        for entry in found
+        for entry in entries
     ]
 
 

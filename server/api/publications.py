@@ -48,7 +48,7 @@ def show(path: RunPath) -> dict[str, Any]:
     with services().database.reading() as session:
         first = publications.history(session, run.id)
         pending = verifications.is_pending(session, run.id)
-        found = verifications.of_run(session, run.id)
+        verified = verifications.of_run(session, run.id)
     return {
         "run": run.id,
         "address": address_of(run.id),
@@ -60,7 +60,7 @@ def show(path: RunPath) -> dict[str, Any]:
         "published_at": run.published_at,
         "first_published_at": first.first_at if first else run.published_at,
         "verification_pending": pending,
-        "verifications": [asdict(each) for each in found],
+        "verifications": [asdict(each) for each in verified],
     }
 
 
@@ -114,9 +114,9 @@ def _standing(run: RunView) -> str:
 def published(run_id: int) -> RunView:
     """Return a run that is public; raises Problem if it is not, or no longer."""
     with services().database.reading() as session:
-        found = publications.history(session, run_id)
-    if found is not None and found.withdrawn_at is not None:
-        on = datetime.fromtimestamp(found.withdrawn_at, UTC).date()
+        history = publications.history(session, run_id)
+    if history is not None and history.withdrawn_at is not None:
+        on = datetime.fromtimestamp(history.withdrawn_at, UTC).date()
         raise Problem("withdrawn", f"Run {run_id} was withdrawn on {on}.")
     run = access.known_run(run_id)  # a public one is for everybody
     if not run.public:

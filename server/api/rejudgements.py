@@ -48,8 +48,8 @@ def _only_admins() -> None:
 def list_all(query: RejudgementsQuery) -> dict[str, Any]:
     """List rejudgements, newest first."""
     with services().database.reading() as session:
-        found, following = rejudgements.page(session, after=query.after, limit=query.limit)
-    return {"rejudgements": [_answer(view) for view in found], "next": following}
+        listed, following = rejudgements.page(session, after=query.after, limit=query.limit)
+    return {"rejudgements": [_answer(view) for view in listed], "next": following}
 
 
 @api.get("/preview", responses={200: PreviewResponse})
@@ -85,9 +85,9 @@ def list_differences(path: RejudgementPath, query: RejudgementsQuery) -> dict[st
     """List the runs whose result differs, with ranks as they would be."""
     with services().database.reading() as session:
         row = _view(session, path.rejudgement_id).row
-        found = rejudgements.differences(session, row, after=query.after, limit=query.limit)
-    following = found[-1].key if len(found) == query.limit else None
-    return {"differences": [asdict(each) for each in found], "next": following}
+        differing = rejudgements.differences(session, row, after=query.after, limit=query.limit)
+    following = differing[-1].key if len(differing) == query.limit else None
+    return {"differences": [asdict(each) for each in differing], "next": following}
 
 
 @api.get("/<int:rejudgement_id>/differences.csv")
@@ -95,8 +95,8 @@ def download_differences(path: RejudgementPath) -> Response:
     """Download all differences as CSV."""
     with services().database.reading() as session:
         row = _view(session, path.rejudgement_id).row
-        found = list(rejudgements.all_differences(session, row))
-    answer = Response(rejudgement_csv.lines(found), mimetype=csv_export.MEDIA_TYPE)
+        differing = list(rejudgements.all_differences(session, row))
+    answer = Response(rejudgement_csv.lines(differing), mimetype=csv_export.MEDIA_TYPE)
     name = f"seamark-rejudgement-{path.rejudgement_id}.csv"
     answer.headers["Content-Disposition"] = f'attachment; filename="{name}"'
     return answer
@@ -122,10 +122,10 @@ def _decide(change: Callable[..., None], rejudgement_id: int) -> dict[str, Any]:
 
 
 def _view(session: Session, rejudgement_id: int) -> RejudgementView:
-    found = rejudgements.show(session, rejudgement_id)
-    if found is None:
+    rejudgement = rejudgements.show(session, rejudgement_id)
+    if rejudgement is None:
         raise Problem("not-found", f"There is no rejudgement {rejudgement_id}.")
-    return found
+    return rejudgement
 
 
 def _answer(found: RejudgementView) -> dict[str, Any]:

@@ -174,8 +174,8 @@ def list_recomputations(path: RunPath) -> dict[str, Any]:
     """List when and why the result was computed again, newest first, with what it replaced."""
     view = access.run_for(path.run_id)
     with services().database.reading() as database:
-        found = rejudged.history(database, view.id)
-    return {"recomputations": [_recomputation(each, view) for each in found]}
+        history = rejudged.history(database, view.id)
+    return {"recomputations": [_recomputation(each, view) for each in history]}
 
 
 def _recomputation(found: Recomputation, view: RunView) -> dict[str, Any]:

@@ -122,8 +122,8 @@ def ranking(
         (places.c.place <= RANKING_MAX) | (places.c.user_id == (user_id or 0))
     )
     order = (places.c.place, places.c.user_id != (user_id or 0))
-    found = session.execute(shown.order_by(*order).limit(RANKING_MAX + 1))
-    return [Place(row.place, row.score, row.user_id == user_id) for row in found]
+    rows = session.execute(shown.order_by(*order).limit(RANKING_MAX + 1))
+    return [Place(row.place, row.score, row.user_id == user_id) for row in rows]
 
 
 def _best_runs(

@@ -19,8 +19,8 @@ _NOT_COMPUTING = "seamark"
 @cache
 def result_code() -> str:
     """Return the code and the versions as JSON, those of the first call in this process."""
-    found = {name: value for name, value in versions().items() if name != _NOT_COMPUTING}
-    return json.dumps({"code": _code_sha256(), **found}, sort_keys=True)
+    decisive = {name: value for name, value in versions().items() if name != _NOT_COMPUTING}
+    return json.dumps({"code": _code_sha256(), **decisive}, sort_keys=True)
 
 
 def difference(ours: str, theirs: str) -> str:

@@ -39,10 +39,12 @@ class MailSettings:
 def of_account(session: Session, user_id: int) -> MailSettings:
     """Return what an account has chosen about e-mail."""
     minutes = session.scalar(select(User.notify_minutes).where(User.id == user_id))
-    found = session.get(MailAddress, user_id)
-    if found is None:
+    address = session.get(MailAddress, user_id)
+    if address is None:
         return MailSettings(notify_minutes=minutes)
-    return MailSettings(address=found.address, pending=_pending_of(found), notify_minutes=minutes)
+    return MailSettings(
+        address=address.address, pending=_pending_of(address), notify_minutes=minutes
+    )
 
 
 def propose(session: Session, user_id: int, address: str) -> None:
@@ -70,12 +72,12 @@ def propose(session: Session, user_id: int, address: str) -> None:
 
 def draw_link(session: Session, user_id: int) -> tuple[str, str] | None:
     """Return the address to confirm and the secret of a new link; None if there is none."""
-    found = session.get(MailAddress, user_id)
-    pending = None if found is None else _pending_of(found)
-    if found is None or pending is None:
+    address = session.get(MailAddress, user_id)
+    pending = None if address is None else _pending_of(address)
+    if address is None or pending is None:
         return None
     text = secrets.token_urlsafe(24)
-    found.pending_hash = accounts.secret_hash(text)
+    address.pending_hash = accounts.secret_hash(text)
     return pending, text
 
 
@@ -91,15 +93,15 @@ def confirm(session: Session, text: str) -> User:
         MailAddress.pending_hash == accounts.secret_hash(text.strip()),
         MailAddress.pending_until > time.time(),
     )
-    found = session.scalar(query.with_for_update())
-    if found is None or found.pending is None:
+    row = session.scalar(query.with_for_update())
+    if row is None or row.pending is None:
         raise MailRejected(
             "This link is unknown, expired or has been used. Enter the address again on the "
             "account page."
         )
-    found.address, found.address_hash = found.pending, outbox.hashed(found.pending)
-    found.pending = found.pending_hash = found.pending_until = None
-    return session.get_one(User, found.user_id)
+    row.address, row.address_hash = row.pending, outbox.hashed(row.pending)
+    row.pending = row.pending_hash = row.pending_until = None
+    return session.get_one(User, row.user_id)
 
 
 def remove(session: Session, user_id: int) -> None:

@@ -53,10 +53,10 @@ def add(session: Session, kind: MailKind, address_hash: str, *, user_id: int | N
         same, OutgoingMail.created_at > now - KEPT_S, OutgoingMail.kind != MailKind.RUNS
     )
     if kind is not MailKind.RUNS:
-        found = session.execute(recent.limit(PER_HOUR)).all()
-        if (kind, user_id, 0) in {tuple(row) for row in found}:
+        rows = session.execute(recent.limit(PER_HOUR)).all()
+        if (kind, user_id, 0) in {tuple(row) for row in rows}:
             return True
-        if len(found) >= PER_HOUR:
+        if len(rows) >= PER_HOUR:
             return False
     if (session.scalar(select(func.count()).select_from(OutgoingMail)) or 0) >= WAITING_MAX:
         return False

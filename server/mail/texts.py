@@ -99,22 +99,22 @@ def _reset(session: Session, settings: Settings, address_hash: str) -> Composed 
 
 
 def _runs(session: Session, settings: Settings, user: User) -> Composed | None:
-    found, own = notices.ended_runs(session, user.id), session.get(MailAddress, user.id)
-    if found is None or own is None or own.address is None:
+    address, own = notices.ended_runs(session, user.id), session.get(MailAddress, user.id)
+    if address is None or own is None or own.address is None:
         return None
-    first, rest = found.shown[0], found.count - len(found.shown)
-    subject = f"{found.count} runs have ended"
-    what = f"{found.count} of your runs have ended:"
-    if found.count == 1:
+    first, rest = address.shown[0], address.count - len(address.shown)
+    subject = f"{address.count} runs have ended"
+    what = f"{address.count} of your runs have ended:"
+    if address.count == 1:
         subject, what = f"Run {first.id} {first.state}", "your run has ended:"
     text = RUNS.format(
         name=user.name,
         url=settings.url,
         what=what,
-        runs="\n\n".join(_run(settings, run) for run in found.shown),
+        runs="\n\n".join(_run(settings, run) for run in address.shown),
         more=f"\nThe other {rest}: {settings.url}/runs/\n" if rest else "",
     )
-    return Composed(message(settings, own.address, subject, text), upto=found.upto)
+    return Composed(message(settings, own.address, subject, text), upto=address.upto)
 
 
 def _run(settings: Settings, run: EndedRun) -> str:

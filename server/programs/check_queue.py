@@ -119,8 +119,8 @@ def enqueue(
 def counts(session: Session) -> dict[CheckState, int]:
     """Return how many checks there are in each state; of those that are done, of the last hour."""
     query = select(Check.state, func.count()).group_by(Check.state)
-    found = {state: count for state, count in session.execute(query)}
-    return {state: found.get(state, 0) for state in CheckState}
+    rows = {state: count for state, count in session.execute(query)}
+    return {state: rows.get(state, 0) for state in CheckState}
 
 
 def wake_worker(redis: Redis) -> None:

@@ -111,10 +111,10 @@ def _made(folder: Path) -> Path:
 def free_bytes(data: Path) -> int:
     """Return how many bytes can still be stored; 0 if that cannot be found out."""
     try:
-        found = os.statvfs(data)
+        statistics = os.statvfs(data)
     except OSError:
         return 0
-    return found.f_bavail * found.f_frsize
+    return statistics.f_bavail * statistics.f_frsize
 
 
 def mark(data: Path) -> Path:

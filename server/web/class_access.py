@@ -20,10 +20,10 @@ def class_for(class_id: int) -> ClassView:
     """Return a class that the viewer teaches or belongs to."""
     access.require(Action.VIEW_CLASSES)
     with services().database.reading() as session:
-        found = classrooms.find(session, class_id)
-        if found is None or not _sees(session, found.id, found.teacher_id):
+        classroom = classrooms.find(session, class_id)
+        if classroom is None or not _sees(session, classroom.id, classroom.teacher_id):
             raise Problem("not-found", f"There is no class {class_id}, or you are not in it.")
-    return found
+    return classroom
 
 
 def invited_to() -> ClassView | None:

@@ -50,10 +50,10 @@ class Readiness:
         """Return what is wrong with each part, or "ok"."""
         until = time.monotonic() + ANSWER_S
         asked = {name: part.ask() for name, part in self._parts.items()}
-        found = {"worker": _UNKNOWN, "queue": _UNKNOWN}
+        checks = {"worker": _UNKNOWN, "queue": _UNKNOWN}
         for name, answer in asked.items():
-            found |= answer.within(until) or {name: _SILENT}
-        return found
+            checks |= answer.within(until) or {name: _SILENT}
+        return checks
 
     def _ask_database(self) -> dict[str, str]:
         try:

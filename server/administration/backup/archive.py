@@ -141,18 +141,18 @@ def members(archive: Path, on_bytes: OnBytes) -> Iterator[tuple[str, Content]]:
 
 def verify(archive: Path, on_bytes: OnBytes) -> None:
     """Read the whole archive and compare all sums; raises ArchiveRejected."""
-    with tempfile.TemporaryFile() as found:
+    with tempfile.TemporaryFile() as file:
         is_complete = False
         for name, content in members(archive, on_bytes):
             if is_complete:
                 raise ArchiveRejected(f"{archive} is damaged: it goes on after its end")
             if name == SUMS:
-                _compare(archive, found, content)
+                _compare(archive, file, content)
                 is_complete = True
             else:
                 for _ in content.parts():
                     pass
-                found.write(_line(content.sha256(), name))
+                file.write(_line(content.sha256(), name))
     if not is_complete:
         raise ArchiveRejected(f"{archive} is not a complete backup: its end is missing")
 

@@ -164,8 +164,8 @@ def _add_run(writer: ArchiveWriter, files: RunFiles) -> bool:
 def _ended_runs(connection: Connection) -> "array[int]":
     """Return the runs that have data which do not change any more."""
     query = select(Run.id).where(Run.state.in_(FINAL), Run.data_deleted_at.is_(None))
-    found = connection.execute(query.order_by(Run.id), execution_options={"yield_per": 10_000})
-    return array("q", found.scalars())
+    rows = connection.execute(query.order_by(Run.id), execution_options={"yield_per": 10_000})
+    return array("q", rows.scalars())
 
 
 def _deleted_since(database: Database, moment: float) -> dict[int, float]:

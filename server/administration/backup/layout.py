@@ -62,14 +62,14 @@ def of_key(name: str) -> str:
 
 def table_of(member: str) -> str | None:
     """Return the table of a chunk; None for other members."""
-    found = _TABLE.fullmatch(member)
-    return found[1] if found else None
+    match = _TABLE.fullmatch(member)
+    return match[1] if match else None
 
 
 def key_of(member: str) -> str | None:
     """Return the name of a key; None for other members."""
-    found = _KEY.fullmatch(member)
-    return found[1] if found else None
+    match = _KEY.fullmatch(member)
+    return match[1] if match else None
 
 
 def place_of(member: str, data: Path) -> Path | None:

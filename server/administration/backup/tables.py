@@ -49,9 +49,9 @@ def count_on(connection: Connection) -> None:
     for name in _in_order(connection):
         if "id" not in _described(connection, name).c:
             continue
-        if found := connection.scalar(sequence, {"name": name}):
+        if value := connection.scalar(sequence, {"name": name}):
             last = select(func.max(column("id"))).select_from(table(name)).scalar_subquery()
-            connection.execute(select(func.setval(found, func.coalesce(last, 0) + 1, False)))
+            connection.execute(select(func.setval(value, func.coalesce(last, 0) + 1, False)))
 
 
 def _chunks(connection: Connection, name: str) -> Iterator[tuple[str, int, bytes]]:
@@ -71,8 +71,8 @@ def _chunks(connection: Connection, name: str) -> Iterator[tuple[str, int, bytes
 def _in_order(connection: Connection) -> list[str]:
     """Return the tables of Seamark, each after those to which its foreign keys lead."""
     known = Base.metadata.tables.keys() - LEFT_OUT
-    found = inspect(connection).get_sorted_table_and_fkc_names()
-    return [name for name, _ in found if name in known]
+    tables = inspect(connection).get_sorted_table_and_fkc_names()
+    return [name for name, _ in tables if name in known]
 
 
 def _described(connection: Connection, name: str) -> TableClause:

@@ -75,9 +75,9 @@ def _record_blocked(_limit: RequestLimit) -> None:
     """Write into the audit log that sign-ins are refused after too many failures."""
     actor, database = access.actor(), services().database
     with database.reading() as session:
-        found = profiles.find(session, request.form.get("name", "").strip())
+        user = profiles.find(session, request.form.get("name", "").strip())
         # Not what was typed: it may be a password in the wrong field.
-        target = "" if found is None else found.name
+        target = "" if user is None else user.name
         known = audit.blocked_is_known(session, actor, target)
     if not known:
         with database.writing() as session:

@@ -79,10 +79,10 @@ def _recognised(identity: Identity, following: str) -> ResponseReturnValue:
 @page.get("/sign-up/provider")
 def choose_name() -> ResponseReturnValue:
     """Show the form for the name of a new account."""
-    found = identity_provider.kept()
-    if found is None:
+    identity = identity_provider.kept()
+    if identity is None:
         return redirect(url_for("account.sign_in"))
-    return _name_form(found[0])
+    return _name_form(identity[0])
 
 
 @page.post("/sign-up/provider")
@@ -120,10 +120,10 @@ def confirm() -> ResponseReturnValue:
     of an attacker, who would then sign in to their account.
     """
     access.require(Action.CHANGE_PASSWORD)
-    found = identity_provider.kept()
-    if found is None:
+    identity = identity_provider.kept()
+    if identity is None:
         return redirect(url_for("own_account.show"))
-    return _link_form(found[0])
+    return _link_form(identity[0])
 
 
 @page.post("/account/identity")
@@ -132,18 +132,18 @@ def confirm() -> ResponseReturnValue:
 def link() -> ResponseReturnValue:
     """Link the identity that has just signed in to the account."""
     user_id = access.require_account(Action.CHANGE_PASSWORD)
-    found = identity_provider.kept()
-    if found is None:
+    identity = identity_provider.kept()
+    if identity is None:
         flash("The sign-in at the identity provider is too long ago. Try again.", "warn")
         return redirect(url_for("own_account.show"), code=303)
     try:
         with services().database.writing() as database:
             if why := reauthentication.refusal(database, request.form.get("password", "")):
                 raise AccountRejected(why)
-            identities.link(database, user_id, found[0])
+            identities.link(database, user_id, identity[0])
             access.record(database, AuditAction.IDENTITY_LINKED, g.viewer.name)
     except AccountRejected as reason:
-        return _link_form(found[0], str(reason)), 422
+        return _link_form(identity[0], str(reason)), 422
     identity_provider.forget()
     flash("You can now sign in with it.", "good")
     return redirect(url_for("own_account.show"), code=303)

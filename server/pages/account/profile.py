@@ -26,7 +26,7 @@ def show(name: str) -> ResponseReturnValue:
         abort(404)
     with services().database.reading() as session:
         user = user_of(session, name)
-        found = standings.of_user(session, user.id)
+        standing = standings.of_user(session, user.id)
         runs = standings.published(session, user, after=after)
         profile = profiles.of(user)
         shown, own = user.name, user.id == access.viewer().user_id
@@ -42,7 +42,7 @@ def show(name: str) -> ResponseReturnValue:
                 "people": one.people,
                 "plot": rank_plot(one.history, one.rank.rank if one.rank else None),
             }
-            for one in found
+            for one in standing
         ],
         runs=runs.runs,
         next=None if runs.next is None else runs.next.after,

@@ -23,10 +23,10 @@ def show() -> ResponseReturnValue:
     }
     after = request.args.get("after", type=int)
     with services().database.reading() as session:
-        found = audit.page(session, AuditFilter(**kept), after=after)
+        listed = audit.page(session, AuditFilter(**kept), after=after)
     return render_template(
         "admin/audit.html",
-        found=found,
+        found=listed,
         kept=kept,
         first=after is None,
         actions={action.value: action.label for action in AuditAction},

@@ -16,8 +16,8 @@ def show() -> ResponseReturnValue:
     """Show the state of the service and what needs a person."""
     held = services()
     with held.database.reading() as session:
-        found = service_overview.overview(session, held.settings)
-    return render_template("admin/overview.html", found=found, links=_links())
+        overview_now = service_overview.overview(session, held.settings)
+    return render_template("admin/overview.html", found=overview_now, links=_links())
 
 
 def _links() -> dict[str, str]:

@@ -141,14 +141,14 @@ def _user(session: Session, user_id: int) -> User:
 def _page(user_id: int, *, error: str = "", delete_error: str = "", link: str = "") -> str:
     held = services()
     with held.database.reading() as session:
-        found = people.detail(session, _user(session, user_id), held.settings)
+        person = people.detail(session, _user(session, user_id), held.settings)
     return render_template(
         "admin/user.html",
-        found=found,
-        user=found.user,
+        found=person,
+        user=person.user,
         roles=_ROLES,
-        role=Role[found.user.role.upper()],
-        own=found.user.id == access.viewer().user_id,
+        role=Role[person.user.role.upper()],
+        own=person.user.id == access.viewer().user_id,
         quota_day=held.settings.quota_day,
         quota_max=people.QUOTA_DAY_MAX,
         hours=password_resets.HOURS,

@@ -19,8 +19,8 @@ page = ADMIN_PAGE.blueprint
 def show() -> ResponseReturnValue:
     """Show the runs that start next, and those that are evaluated."""
     with services().database.reading() as session:
-        found = live_runs.listed(session)
-    return render_template("admin/queue.html", found=found)
+        live = live_runs.listed(session)
+    return render_template("admin/queue.html", found=live)
 
 
 @page.post("/cancel")

@@ -70,15 +70,15 @@ def show(rejudgement_id: int) -> ResponseReturnValue:
     """Show the progress of a rejudgement and the results that differ."""
     after = request.args.get("after", type=int)
     with services().database.reading() as session:
-        found = _view(session, rejudgement_id)
+        rejudgement = _view(session, rejudgement_id)
         listed = rejudgements.differences(
-            session, found.row, after=after, limit=rejudgements.PAGE + 1
+            session, rejudgement.row, after=after, limit=rejudgements.PAGE + 1
         )
     shown = listed[: rejudgements.PAGE]
     return render_template(
         "admin/rejudgement.html",
-        row=found.row,
-        progress=found.progress,
+        row=rejudgement.row,
+        progress=rejudgement.progress,
         differences=shown,
         next=shown[-1].key if len(listed) > len(shown) else None,
         first=after is None,
@@ -112,10 +112,10 @@ def _decide(
 
 
 def _view(session: Session, rejudgement_id: int) -> RejudgementView:
-    found = rejudgements.show(session, rejudgement_id)
-    if found is None:
+    rejudgement = rejudgements.show(session, rejudgement_id)
+    if rejudgement is None:
         raise Problem("not-found", f"There is no rejudgement {rejudgement_id}.")
-    return found
+    return rejudgement
 
 
 def _form(sent: Mapping[str, str], *, error: str = "") -> str:

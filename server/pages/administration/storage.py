@@ -17,8 +17,8 @@ def show() -> ResponseReturnValue:
     """Show what takes how much room, and what retention would delete."""
     held = services()
     with held.database.reading() as session:
-        found = disk.state(session, held.settings)
-    return render_template("admin/storage.html", found=found, settings=held.settings)
+        usage = disk.state(session, held.settings)
+    return render_template("admin/storage.html", found=usage, settings=held.settings)
 
 
 @page.post("/retention")

@@ -89,16 +89,16 @@ def groups(
         Setting -> sentence shown at the field.
     """
     preset = preset_of(schema, values)
-    found: dict[tuple[bool, str], list[Field]] = {}
+    groups: dict[tuple[bool, str], list[Field]] = {}
     for name, entry in schema["properties"].items():
         default = preset.get(name, entry.get("default"))
         shown = values.get(name, default)
         key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
         one = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
         condition = _condition(schema, entry.get("x-applies", {}))
-        found.setdefault(key, []).append(replace(one, condition=condition))
+        groups.setdefault(key, []).append(replace(one, condition=condition))
     position = {title: index for index, title in enumerate(order)}
-    ordered = sorted(found.items(), key=lambda item: position.get(item[0][1], len(position)))
+    ordered = sorted(groups.items(), key=lambda item: position.get(item[0][1], len(position)))
     return tuple(
         Group(
             title=title,

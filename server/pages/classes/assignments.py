@@ -48,23 +48,29 @@ def create(class_id: int) -> ResponseReturnValue:
 @page.get("/assignments/<row:assignment_id>")
 def show(assignment_id: int) -> ResponseReturnValue:
     """Show an assignment with the viewer's own runs; to the teacher with those of the class."""
-    found = class_access.assignment_for(assignment_id)
-    teaches, after = class_access.is_teacher(found), request.args.get("after", "")
+    assignment = class_access.assignment_for(assignment_id)
+    teaches, after = class_access.is_teacher(assignment), request.args.get("after", "")
     with services().database.reading() as session:
-        listed = progress.page(session, found.class_id, found.id, after=after) if teaches else []
-        totals = progress.totals(session, found.class_id, found.id) if teaches else None
-        own = [] if teaches else progress.own_runs(session, found.id, g.viewer.user_id)
-        shown = found.shows_ranking or teaches
-        places = (
-            progress.ranking(session, found.class_id, found.id, g.viewer.user_id) if shown else []
+        listed = (
+            progress.page(session, assignment.class_id, assignment.id, after=after)
+            if teaches
+            else []
         )
-    benchmark = known_benchmarks.by_name(found.benchmark)
+        totals = progress.totals(session, assignment.class_id, assignment.id) if teaches else None
+        own = [] if teaches else progress.own_runs(session, assignment.id, g.viewer.user_id)
+        shown = assignment.shows_ranking or teaches
+        places = (
+            progress.ranking(session, assignment.class_id, assignment.id, g.viewer.user_id)
+            if shown
+            else []
+        )
+    benchmark = known_benchmarks.by_name(assignment.benchmark)
     return render_template(
         "assignments/show.html",
-        assignment=found,
+        assignment=assignment,
         benchmark=benchmark,
-        headline=benchmark.headline_of(benchmark.restore(found.config)),
-        settings=assigned.fixed_changes(found),
+        headline=benchmark.headline_of(benchmark.restore(assignment.config)),
+        settings=assigned.fixed_changes(assignment),
         teaches=teaches,
         pupils=listed,
         totals=totals,
@@ -73,7 +79,7 @@ def show(assignment_id: int) -> ResponseReturnValue:
         places=places,
         next=listed[-1].pupil.name if len(listed) == PAGE else None,
         first=not after,
-        deadline_text=_as_input(found.deadline),
+        deadline_text=_as_input(assignment.deadline),
         title_max=assignments.TITLE_MAX,
         instructions_max=assignments.INSTRUCTIONS_MAX,
     )
@@ -102,23 +108,23 @@ def change(assignment_id: int) -> ResponseReturnValue:
 @page.post("/assignments/<row:assignment_id>/delete")
 def delete(assignment_id: int) -> ResponseReturnValue:
     """Delete an assignment whose title has been typed to confirm it."""
-    found = class_access.taught_assignment(assignment_id)
-    if request.form.get("confirm", "").strip() != found.title:
+    assignment = class_access.taught_assignment(assignment_id)
+    if request.form.get("confirm", "").strip() != assignment.title:
         flash("The assignment was not deleted: type its title to confirm.", "bad")
         return redirect(url_for("assignments.show", assignment_id=assignment_id), code=303)
     with services().database.writing() as session:
         assignments.remove(session, assignment_id)
     flash("The assignment has been deleted. The students keep their runs.", "good")
-    return redirect(url_for("classes.show", class_id=found.class_id), code=303)
+    return redirect(url_for("classes.show", class_id=assignment.class_id), code=303)
 
 
 @page.get("/assignments/<row:assignment_id>/pupils.csv")
 def as_csv(assignment_id: int) -> ResponseReturnValue:
     """Download the best run of each student with its seed and metrics."""
-    found = class_access.taught_assignment(assignment_id)
-    answer = Response(assignment_csv.lines(services().database, found))
+    assignment = class_access.taught_assignment(assignment_id)
+    answer = Response(assignment_csv.lines(services().database, assignment))
     answer.headers["Content-Type"] = csv_export.MEDIA_TYPE
-    name = f"seamark-assignment-{found.id}.csv"
+    name = f"seamark-assignment-{assignment.id}.csv"
     answer.headers.set("Content-Disposition", "attachment", filename=name)
     return answer
 

@@ -55,18 +55,18 @@ def show() -> ResponseReturnValue:
             offered=offered,
             runs_max=RUNS_MAX,
         )
-    found = side_by_side(runs, partial(trial_seeds, settings=services().settings))
+    compared = side_by_side(runs, partial(trial_seeds, settings=services().settings))
     return render_template(
         "compare/show.html",
         runs=runs,
         benchmark=benchmark,
-        found=found,
-        settings=[row for row in found.settings if row.name != DIGEST],
+        found=compared,
+        settings=[row for row in compared.settings if row.name != DIGEST],
         programs=program_differences(runs),
         offered=offered if len(runs) < RUNS_MAX else {},
         address=_address,
         trials=max(run.trials for run in runs),
-        page_data=_page_data(runs, found),
+        page_data=_page_data(runs, compared),
         preview=link_previews.of_comparison(runs, _address(ids)),
     )
 

@@ -160,9 +160,9 @@ def _starter_texts() -> Iterator[tuple[str, str, str]]:
 
 def _box() -> dict[str, Any]:
     with services().database.reading() as session:
-        found = workers.environments(session)
+        environments = workers.environments(session)
     return {
-        "environments": [(LANGUAGES[one.language], one) for one in found],
+        "environments": [(LANGUAGES[one.language], one) for one in environments],
         "memory_mib": Limits().memory_mib,
     }
 
@@ -258,8 +258,8 @@ def guide(name: str) -> ResponseReturnValue:
 def search() -> ResponseReturnValue:
     """Show the sections of all pages that have the words of the query."""
     query = request.args.get("q", "").strip()[: search_index.QUERY_MAX]
-    found = _index().find(query)
-    return _rendered("docs/search.html", title="Search", here="", query=query, found=found)
+    articles = _index().find(query)
+    return _rendered("docs/search.html", title="Search", here="", query=query, found=articles)
 
 
 @lru_cache(maxsize=1)

@@ -54,11 +54,11 @@ def groups(pages: Mapping[str, str]) -> Mapping[str, Sequence[Entry]]:
     titles = {**pages, **guides.titles()}
     placed = {name for names in _GROUPS.values() for name in names}
     last = tuple(name for name in guides.titles() if name not in placed | set(MERGED))
-    found = dict(_GROUPS)
-    found[[*_GROUPS][-1]] = (*[*_GROUPS.values()][-1], *last)
+    groups = dict(_GROUPS)
+    groups[[*_GROUPS][-1]] = (*[*_GROUPS.values()][-1], *last)
     return {
         title: [Entry(name, titles[name]) for name in names if name in titles]
-        for title, names in found.items()
+        for title, names in groups.items()
     }
 
 

@@ -60,14 +60,14 @@ def show() -> ResponseReturnValue:
 
 
 def _boards(session: Session) -> list[Board]:
-    found = [registry.benchmark(name) for name in registry.BENCHMARKS]
-    leaders = leaderboard.leaders_of(session, found, BEST)
-    references = reference_entries.of_benchmarks(session, found)
+    benchmarks = [registry.benchmark(name) for name in registry.BENCHMARKS]
+    leaders = leaderboard.leaders_of(session, benchmarks, BEST)
+    references = reference_entries.of_benchmarks(session, benchmarks)
     return [
         Board(
             benchmark,
             leaders[benchmark.name],
             [entry for entry in references[benchmark.name] if not entry.is_bound][:BEST],
         )
-        for benchmark in found
+        for benchmark in benchmarks
     ]

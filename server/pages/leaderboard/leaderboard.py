@@ -182,7 +182,7 @@ def _filters(labels: Labels, offered: Mapping[str, Collection[str]]) -> Labels:
 
 def _labels(benchmark: Benchmark) -> Labels:
     """Return filter -> value -> label."""
-    found = {
+    choices = {
         "program": {UPLOADED: "Uploaded", BUILT_IN: "Built in"},
         "language": {name: each.short_label for name, each in LANGUAGES.items()},
     }
@@ -190,9 +190,9 @@ def _labels(benchmark: Benchmark) -> Labels:
     for name in ("vehicle", "tracker"):
         if name in settings:
             labels: dict[str, str] = schema_extras(settings[name]).get("x-labels", {})
-            found[name] = {key: _short(label) for key, label in labels.items()}
-    found["baselines"] = {HIDE: "Hidden", ONLY: "Nothing else"}
-    return found
+            choices[name] = {key: _short(label) for key, label in labels.items()}
+    choices["baselines"] = {HIDE: "Hidden", ONLY: "Nothing else"}
+    return choices
 
 
 def _short(label: str) -> str:

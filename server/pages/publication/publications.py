@@ -33,13 +33,13 @@ page = Blueprint("publications", __name__)
 def permanent(run_id: int) -> ResponseReturnValue:
     """Lead to a published run; say of a withdrawn one that it was there."""
     with services().database.reading() as session:
-        found = publications.history(session, run_id)
+        history = publications.history(session, run_id)
         run = views.show(session, run_id)
-    if found is None or (run is None and found.withdrawn_at is None):
+    if history is None or (run is None and history.withdrawn_at is None):
         raise Problem("not-found")
-    if found.withdrawn_at is None:
+    if history.withdrawn_at is None:
         return redirect(url_for("run.show", run_id=run_id))
-    days = (_day(found.first_at), _day(found.withdrawn_at))
+    days = (_day(history.first_at), _day(history.withdrawn_at))
     page = render_template("publications/withdrawn.html", run_id=run_id, days=days)
     return page, 410
 

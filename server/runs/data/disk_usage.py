@@ -58,15 +58,15 @@ class Report:
 
 def report(session: Session) -> Report:
     """Return the last measurement, the largest first."""
-    found: dict[str, list[Usage]] = {kind: [] for kind in Kind}
+    by_kind: dict[str, list[Usage]] = {kind: [] for kind in Kind}
     rows = select(DiskUsage).order_by(DiskUsage.bytes.desc(), DiskUsage.name)
     for row in session.scalars(rows):
-        found[row.kind].append(Usage(row.name, row.bytes, row.count))
+        by_kind[row.kind].append(Usage(row.name, row.bytes, row.count))
     return Report(
         measured_at=counters.value(session, MEASURED_AT),
-        areas=found[Kind.AREA],
-        owners=found[Kind.OWNER],
-        due=found[Kind.DUE],
+        areas=by_kind[Kind.AREA],
+        owners=by_kind[Kind.OWNER],
+        due=by_kind[Kind.DUE],
     )
 
 

@@ -87,9 +87,9 @@ def to_trim(database: Database, settings: Settings) -> list[int]:
     oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
     with database.reading() as session:
         excess = excess_bytes(session, settings)
-        found = session.execute(oldest).all() if excess > 0 else []
+        rows = session.execute(oldest).all() if excess > 0 else []
     chosen: list[int] = []
-    for run_id, size in found:
+    for run_id, size in rows:
         if excess > 0:
             chosen.append(run_id)
             excess -= size
@@ -177,10 +177,10 @@ class Sweep:
             for entry in _numbered(self._settings.data / "runs" / str(folder)):
                 self._tidy(entry, rows.get(int(entry.name)))
             return {}
-        found = run_objects.grouped(self._stored.list(f"runs/{folder}"))
-        for run_id, attempts in found.items():
+        grouped = run_objects.grouped(self._stored.list(f"runs/{folder}"))
+        for run_id, attempts in grouped.items():
             self._tidy_objects(self._stored, run_id, attempts, rows.get(run_id))
-        return {run_id: attempts[max(attempts)].size for run_id, attempts in found.items()}
+        return {run_id: attempts[max(attempts)].size for run_id, attempts in grouped.items()}
 
     def _tidy_objects(
         self, stored: Objects, run_id: int, attempts: Mapping[int, Attempt], row: _Row | None
@@ -279,10 +279,10 @@ def _within(folder: int) -> ColumnElement[bool]:
 def _expired(session: Session, within: ColumnElement[bool], settings: Settings) -> list[int]:
     """Return runs whose data are too old, at most `BATCH`."""
     old = (within, or_(false(), *rules(settings).values()))
-    found = session.execute(select(Run.id, Run.kind, Run.user_id, Run.benchmark).where(*old))
+    rows = session.execute(select(Run.id, Run.kind, Run.user_id, Run.benchmark).where(*old))
     old_ids = (
         row.id
-        for row in found
+        for row in rows
         if row.kind != RunKind.RANKED or row.id != _best(session, row.user_id, row.benchmark)
     )
     return list(islice(old_ids, BATCH))

@@ -101,20 +101,20 @@ def _refresh(stored: Objects, data: Path, run_id: int, attempt: int | None) -> N
 
 
 def _copy(stored: Objects, data: Path, run_id: int, attempt: int | None) -> None:
-    found = run_objects.attempts(stored, run_id)
-    chosen = max(found, default=0) if attempt is None else attempt
+    attempts = run_objects.attempts(stored, run_id)
+    chosen = max(attempts, default=0) if attempt is None else attempt
     files = RunFiles(data, run_id, chosen)
     files.remove_earlier_attempts()
-    if chosen not in found:
+    if chosen not in attempts:
         return
     files.folder.mkdir(parents=True, exist_ok=True)
     copy = AttemptCopy(files.folder)
-    copy.take_whole(stored, found[chosen])
-    if found[chosen].complete or not found[chosen].parts:
-        if attempt is not None and _will_not_change(found[chosen]):
+    copy.take_whole(stored, attempts[chosen])
+    if attempts[chosen].complete or not attempts[chosen].parts:
+        if attempt is not None and _will_not_change(attempts[chosen]):
             (files.folder / _COMPLETE).touch()
     else:
-        copy.take_parts(stored, found[chosen])
+        copy.take_parts(stored, attempts[chosen])
 
 
 def append(settings: Settings, run_id: int, increments: Sequence[Increment]) -> bool:
@@ -194,8 +194,8 @@ def _trim(data: Path, limit: int) -> None:
 def _copies(runs: Path) -> Iterator[tuple[float, int, Path]]:
     """Yield when each copy of a run was read, its bytes and its folder."""
     for folder in runs.glob("*/*"):
-        found: Sequence[os.stat_result] = []
+        stats: Sequence[os.stat_result] = []
         with suppress(FileNotFoundError):
-            found = [file.stat() for file in folder.rglob("*") if file.is_file()]
-        if found:
-            yield max(one.st_mtime for one in found), sum(one.st_size for one in found), folder
+            stats = [file.stat() for file in folder.rglob("*") if file.is_file()]
+        if stats:
+            yield max(one.st_mtime for one in stats), sum(one.st_size for one in stats), folder

@@ -79,10 +79,10 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
 
 
 def _mail(session: Session, user: User) -> dict[str, Any]:
-    found = session.get(MailAddress, user.id) or MailAddress()
+    address = session.get(MailAddress, user.id) or MailAddress()
     return {
-        "address": found.address,
-        "not_confirmed": found.pending,
+        "address": address.address,
+        "not_confirmed": address.pending,
         "notify_minutes": user.notify_minutes,
     }
 

@@ -31,9 +31,9 @@ def refresh(session: Session, benchmark: str, user_id: int) -> None:
         session.flush()
         _count_person(session, old, -1)
     candidates = _candidates().where(Run.benchmark == benchmark, Run.user_id == user_id)
-    found = session.execute(candidates.limit(1)).one_or_none()
-    if found is not None:
-        run, result, is_baseline = found
+    row = session.execute(candidates.limit(1)).one_or_none()
+    if row is not None:
+        run, result, is_baseline = row
         new = _best(run, result, is_baseline=is_baseline)
         session.add(new)
         _count_person(session, new, 1)
@@ -57,10 +57,10 @@ def complete_metrics(session: Session, limit: int = 200) -> int:
     """Compute the metrics of some rows of an earlier version, and return their number."""
     acquire(session, AdvisoryLock.LEADERBOARD)
     missing = select(Best, Result.metrics).join(Result, Result.run_id == Best.run_id)
-    found = session.execute(missing.where(Best.metrics.is_(None)).limit(limit)).all()
-    for best, metrics in found:
+    rows = session.execute(missing.where(Best.metrics.is_(None)).limit(limit)).all()
+    for best, metrics in rows:
         best.metrics = _board_values(best.benchmark, metrics)
-    return len(found)
+    return len(rows)
 
 
 def rebuild(session: Session) -> int:

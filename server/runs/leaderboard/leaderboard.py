@@ -217,22 +217,22 @@ def rows_of(
     if not chosen:
         return []
     query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
-    found = {row.user_id: row for row in session.execute(query)}
+    rows = {row.user_id: row for row in session.execute(query)}
     people = score_counts.population(session, benchmark) if people is None else people
-    return [_rank(found[key.user_id], key.number, people) for key in chosen if key.user_id in found]
+    return [_rank(rows[key.user_id], key.number, people) for key in chosen if key.user_id in rows]
 
 
 def rank_of(
     session: Session, benchmark: str, user_id: int, people: Population | None = None
 ) -> Rank | None:
     """Return a user's own row, or None without one."""
-    found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
-    if found is None:
+    row = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
+    if row is None:
         return None
-    here = Cursor(found.score, found.reached_at, found.run_id)
+    here = Cursor(row.score, row.reached_at, row.run_id)
     number = people_down_to(session, benchmark, here)
     people = score_counts.population(session, benchmark) if people is None else people
-    return _rank(found, number, people)
+    return _rank(row, number, people)
 
 
 def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:

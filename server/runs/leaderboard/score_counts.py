@@ -125,8 +125,8 @@ def population(session: Session, benchmark: str, *, single_rows: int = SINGLE_RO
         return _of_rows(session, benchmark)
     columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
     query = select(*columns, ScoreCount.people).where(ScoreCount.benchmark == benchmark)
-    found = np.array([tuple(row) for row in session.execute(query)], dtype=np.int64)
-    numbers, errors, degrees, people = found.T
+    rows = np.array([tuple(row) for row in session.execute(query)], dtype=np.int64)
+    numbers, errors, degrees, people = rows.T
     largest = np.exp2(errors / ERRORS_PER_OCTAVE)
     return Population(
         low=lower_ends(numbers),

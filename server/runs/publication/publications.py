@@ -160,13 +160,13 @@ def _check(session: Session, run: Run, terms: Terms) -> None:
     )
     if run.kind != RunKind.RANKED:
         return
-    found = session.scalar(other.limit(1))
-    if found is None:
+    entered = session.scalar(other.limit(1))
+    if entered is None:
         return
     how = "under your name" if terms.anonymous else "anonymously"
     todo = "Withdraw it first" if terms.anonymous else "Show your name there, or withdraw it, first"
     raise PublicationRefused(
-        f"Run {found} of this benchmark is published {how}. The leaderboard has one row for each "
+        f"Run {entered} of this benchmark is published {how}. The leaderboard has one row for each "
         f"user, so it would show whose the anonymous run is. {todo}.",
         field="anonymous",
     )

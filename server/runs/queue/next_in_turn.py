@@ -73,8 +73,8 @@ def _locking() -> Select[str, str]:
     ahead = select(other.owner).where(*_may_start(other), other.running < running - 1)
     ahead = ahead.order_by(*order.columns(other)).limit(1).correlate(mine)
     taken = func.coalesce(ahead.scalar_subquery(), case((changed, mine.c.owner)))
-    found = one.outerjoin(mine, true()).outerjoin(seen, seen.owner == mine.c.owner)
-    return select(mine.c.owner, taken).select_from(found)
+    query = one.outerjoin(mine, true()).outerjoin(seen, seen.owner == mine.c.owner)
+    return select(mine.c.owner, taken).select_from(query)
 
 
 def _oldest() -> Select[int]:

@@ -41,10 +41,10 @@ def expected_s(session: Session, run: Run, trial_s: float) -> float | None:
 
 def _nearest(session: Session, run: Run) -> Pace | None:
     """Return the pace of the same benchmark whose runs are most like this one."""
-    found = session.scalars(select(Pace).where(Pace.benchmark == run.benchmark)).all()
+    rows = session.scalars(select(Pace).where(Pace.benchmark == run.benchmark)).all()
     wanted = (run.kind, run.language or "")
 
     def likeness(pace: Pace) -> tuple[bool, bool, int]:
         return pace.language == wanted[1], pace.kind == wanted[0], pace.runs
 
-    return max(found, key=likeness, default=None)
+    return max(rows, key=likeness, default=None)

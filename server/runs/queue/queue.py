@@ -132,10 +132,12 @@ def try_claim(
     guests_first = passed_over >= order.GUEST_SHARE and try_acquire(
         session, AdvisoryLock.GUEST_TURN
     )
-    found = next_in_turn.find(session, languages, limit, guests_first=guests_first, patient=patient)
-    if found is None:
+    next_run = next_in_turn.find(
+        session, languages, limit, guests_first=guests_first, patient=patient
+    )
+    if next_run is None:
         return None
-    run_id, priority = found
+    run_id, priority = next_run
     run = _start(session, run_id, worker, settings)
     if run is None:  # only where the run was not locked, on SQLite, and there nobody else writes
         return None

@@ -51,7 +51,7 @@ def _oldest(session: Session, counts: Counter[str]) -> dict[str, deque[int]]:
     each = select(Run.owner, Run.id, number).where(Run.owner.in_(counts), IS_QUEUED).subquery()
     most = max(counts.values(), default=0)
     query = select(each.c.owner, each.c.id).where(each.c.number <= most).order_by(each.c.id)
-    found = dict[str, deque[int]]()
+    by_owner = dict[str, deque[int]]()
     for owner, run_id in session.execute(query):
-        found.setdefault(owner, deque()).append(run_id)
-    return found
+        by_owner.setdefault(owner, deque()).append(run_id)
+    return by_owner

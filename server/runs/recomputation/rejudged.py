@@ -175,8 +175,8 @@ def history(session: Session, run_id: int) -> list[Recomputation]:
 
 def _summary(run: Run, result: Result | None) -> dict[str, Any]:
     names = ("digest", "score")
-    found = {"state": str(run.state), "cause": run.cause} | dict.fromkeys(names)
-    return found if result is None else found | {name: getattr(result, name) for name in names}
+    summary = {"state": str(run.state), "cause": run.cause} | dict.fromkeys(names)
+    return summary if result is None else summary | {name: getattr(result, name) for name in names}
 
 
 def _by_benchmark(result: Result) -> bool:

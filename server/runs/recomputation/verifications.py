@@ -180,15 +180,15 @@ def _views(session: Session, run_ids: Collection[int]) -> dict[int, list[Verific
         .where(Verification.run_id.in_(run_ids), Verification.ended_at.is_not(None))
         .order_by(Verification.again_id.desc())
     )
-    found = dict[int, list[VerificationView]]()
+    by_run = dict[int, list[VerificationView]]()
     for row, benchmark, score, *known in session.execute(query):
         error: tuple[float | None, int] = known[0], int(known[1] or 0)
         if known[1] is None:  # it has no row on the leaderboard, for which both are kept
             metrics = session.scalar(select(Result.metrics).where(Result.run_id == row.run_id))
             error = error_of_score(benchmark, metrics)
         published = Estimate(score=score or 0.0, standard_error=error[0], degrees=error[1])
-        found.setdefault(row.run_id, []).append(_view(row, published))
-    return found
+        by_run.setdefault(row.run_id, []).append(_view(row, published))
+    return by_run
 
 
 def _view(row: Verification, published: Estimate) -> VerificationView:

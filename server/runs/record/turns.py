@@ -128,8 +128,8 @@ def loads(session: Session) -> list[PriorityLoad]:
         .where(IS_WAITING)
         .group_by(Turn.priority)
     )
-    found = {priority: rest for priority, *rest in session.execute(waiting)}
-    return [PriorityLoad(each.label, *found.get(int(each), (0, None))) for each in Priority]
+    rows = {priority: rest for priority, *rest in session.execute(waiting)}
+    return [PriorityLoad(each.label, *rows.get(int(each), (0, None))) for each in Priority]
 
 
 def rebuild(session: Session) -> None:

@@ -42,10 +42,10 @@ def reference_entries(session: Session, benchmark: Benchmark) -> list[ReferenceE
     """Return the reference entries of a benchmark that are public, in their declared order."""
     query = select(Best, Run).join(Run, Run.id == Best.run_id)
     query = query.where(Best.benchmark == benchmark.name, IS_BASELINE)
-    found = {run.title: (best, run) for best, run in session.execute(query)}
+    rows = {run.title: (best, run) for best, run in session.execute(query)}
     titles = [baseline.title for baseline in benchmark.baselines.values()]
-    order = sorted(found, key=lambda title: titles.index(title) if title in titles else len(titles))
-    return [ReferenceEntry(found[title][1].id, title, found[title][0].score) for title in order]
+    order = sorted(rows, key=lambda title: titles.index(title) if title in titles else len(titles))
+    return [ReferenceEntry(rows[title][1].id, title, rows[title][0].score) for title in order]
 
 
 def comparisons(session: Session, run_id: int, *, with_previous: bool) -> list[Comparison]:
@@ -56,10 +56,10 @@ def comparisons(session: Session, run_id: int, *, with_previous: bool) -> list[C
     with_previous
         Put the user's previous ranked run of the benchmark before them, also a private one.
     """
-    found = session.execute(_runs().where(Run.id == run_id)).one_or_none()
-    if found is None:
+    row = session.execute(_runs().where(Run.id == run_id)).one_or_none()
+    if row is None:
         return []
-    run, own = found
+    run, own = row
     baselines = (
         _runs()
         .join(Best, Best.run_id == Run.id)

@@ -174,6 +174,6 @@ def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple
     lines = []
     for run in runs:
         files = stored_files.of_run(settings, run)
-        found = overlaid_series.series(run, files, chart.columns[:1], Part(), POINTS)
-        lines.append((found.t, found.values[:, 0]))
+        overlaid = overlaid_series.series(run, files, chart.columns[:1], Part(), POINTS)
+        lines.append((overlaid.t, overlaid.values[:, 0]))
     return f"{chart.title} [{chart.unit}] over time, trial 1", lines

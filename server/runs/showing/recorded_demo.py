@@ -58,15 +58,15 @@ def run() -> RunView:
 
 def digest() -> str:
     """Return the digest of the recorded telemetry, which the same run has today."""
-    found: str = (files().manifest() or {})["digest"]
-    return found
+    manifest: str = (files().manifest() or {})["digest"]
+    return manifest
 
 
 @lru_cache(maxsize=1)
 def scene() -> dict[str, Any]:
     """Return what `scene.describe` returns for each level of the run."""
-    found: dict[str, Any] = json.loads((FOLDER / SCENE).read_bytes())
-    return found
+    document: dict[str, Any] = json.loads((FOLDER / SCENE).read_bytes())
+    return document
 
 
 def texture(part: Literal["seabed", "target"]) -> bytes:

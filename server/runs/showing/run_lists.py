@@ -125,8 +125,8 @@ def page(
     window = _window(session, viewer, run_filter, order, start.after)
     window = window.limit(limit + 1 if all_seen else SEEN_MAX)
     seen = window.with_only_columns(*_NEEDED).subquery().c
-    found = select(seen.id).where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
-    ids = list(session.scalars(found.limit(limit + 1).offset(skip)))
+    query = select(seen.id).where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
+    ids = list(session.scalars(query.limit(limit + 1).offset(skip)))
     following: Place | None = None
     if len(ids) > limit and order.by_id:
         following = Place(ids[limit - 1])

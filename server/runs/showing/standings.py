@@ -34,15 +34,15 @@ def of_user(session: Session, user_id: int) -> list[Standing]:
         Best.user_id == user_id, Best.benchmark.in_(registry.BENCHMARKS)
     )
     earlier = select(RankPoint.benchmark).where(RankPoint.user_id == user_id)
-    known, found = set(session.scalars(union(ranked, earlier))), []
+    known, rows = set(session.scalars(union(ranked, earlier))), []
     for name in filter(known.__contains__, registry.BENCHMARKS):
         history = rank_history.of_user(session, user_id, name)
         rank = leaderboard.rank_of(session, name, user_id)
         if rank is not None and rank.anonymous:
             continue  # a score of the history would tell which entry it is
         if rank is not None or history:
-            found.append(Standing(name, rank, score_counts.size(session, name), history))
-    return found
+            rows.append(Standing(name, rank, score_counts.size(session, name), history))
+    return rows
 
 
 def published(

@@ -58,8 +58,8 @@ class RunView(PublicRun):
 def show(session: Session, run_id: int, settings: Settings | None = None) -> RunView | None:
     """Return one run, or None. With settings also its position in the queue."""
     whole = selection().options(undefer(Run.program_parameters))
-    found = whole.where(Run.id == run_id, Run.deleted_at.is_(None), IS_LISTED)
-    rows = session.execute(found).one_or_none()
+    query = whole.where(Run.id == run_id, Run.deleted_at.is_(None), IS_LISTED)
+    rows = session.execute(query).one_or_none()
     if rows is None:
         return None
     run, result, user = rows
@@ -76,8 +76,8 @@ def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
     # A list shows neither: parsing the metrics of large grids would take most of its time.
     query = selection().options(defer(Result.metrics), defer(Result.manifest))
     query = query.where(Run.id.in_(run_ids), Run.deleted_at.is_(None), IS_LISTED)
-    found = {row[0].id: view(*row) for row in session.execute(query)} if run_ids else {}
-    return [found[run_id] for run_id in run_ids if run_id in found]
+    rows = {row[0].id: view(*row) for row in session.execute(query)} if run_ids else {}
+    return [rows[run_id] for run_id in run_ids if run_id in rows]
 
 
 def of_sweep(session: Session, sweep_id: int) -> list[RunView]:
