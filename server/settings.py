@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
@@ -13,15 +13,21 @@ from seamark.server.key_files import KEY_FILES, KeyEmpty, drawn, kept
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
 LogLevel = Literal["debug", "info", "warning", "error"]
-LogFormat = Literal["auto", "json", "text"]
-MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
 SIGNS_NOTHING = "a worker signs nothing"  # its secret key: it never reads that of the service
 # The seed key of a worker on a machine that has none: the rows of its runs have their seeds.
 DERIVES_NOTHING = "a worker derives nothing"
 LOOKING = "looking"  # context of a validation that writes nothing
-REPLACED = {  # setting of an earlier version -> what to write instead
-    "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
+REMOVED = {  # setting of an earlier version -> what holds now
+    "ranked_trials": "each benchmark says how many trials its ranked runs have",
+    "practice_trials_max": "a practice run has at most 10 trials",
+    "run_max_bytes": "a practice run may record at most 256 MiB",
+    "heartbeat_s": f"it follows from {PREFIX}LEASE_S",
+    "sweep_s": f"it follows from {PREFIX}LEASE_S",
+    "attempts_max": "the third evaluation that breaks is a platform failure",
+    "log_format": "the log is text on a terminal, otherwise JSON",
+    "metrics": f"others than this machine read them with {PREFIX}METRICS_TOKEN",
+    "streams_max": "a web process has at most 1,000 live streams",
 }
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
     "database_url": "SQLite in the data folder",
@@ -36,8 +42,7 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "url": "none",
     "embed_origins": "none",
     "workers": "one per core, at least 2: reference entries leave a slot free",
-    "metrics": "`local`; `token` if there is one",
-    "metrics_token": "none",
+    "metrics_token": "none: only this machine may read `/metrics`",
     "mail_url": "none: nothing is sent",
     "mail_from": "none",
     "oidc_issuer": "none",
@@ -65,6 +70,12 @@ class Settings(BaseModel):
     """Settings of an operator. Each field is the variable `SEAMARK_<NAME>` or `..._FILE`."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    # Not to be set: one number does for every installation.
+    practice_trials_max: ClassVar[int] = 10
+    run_max_bytes: ClassVar[int] = 256 * 2**20  # that a practice run may record
+    attempts_max: ClassVar[int] = 3  # evaluations that break, until it is a platform failure
+    streams_max: ClassVar[int] = 1000  # open event streams of a web process
 
     data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
     database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
@@ -135,21 +146,12 @@ class Settings(BaseModel):
         description="Programs that may be connected to one worker by rosbridge at the same time, "
         "beside its runs; 0: none",
     )
-    ranked_trials: int = Field(
-        10,
-        ge=1,
-        le=100,
-        description="Trials of a ranked run of a first benchmark version; later ones fix it",
-    )
     verify_top: int = Field(
         0,
         ge=0,
         le=100,
         description="How many of the first entries of each leaderboard are verified "
         "automatically: evaluated again in fresh water, after the runs of users",
-    )
-    practice_trials_max: int = Field(
-        10, ge=1, le=100, description="Maximum trials of a practice run"
     )
     upload_max_bytes: int = Field(
         8 * 2**20, ge=1024, le=2**30, description="Maximum size of an upload"
@@ -161,9 +163,6 @@ class Settings(BaseModel):
     )
     guest_quota_day: int = Field(
         50, ge=0, description="Runs that the guests of one network may complete in 24 h"
-    )
-    run_max_bytes: int = Field(
-        256 * 2**20, ge=2**20, description="Bytes that a practice run may record"
     )
     quota_bytes: int = Field(
         10 * 2**30, ge=2**20, description="Bytes that the runs of a user may take"
@@ -195,33 +194,16 @@ class Settings(BaseModel):
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"
     )
-    heartbeat_s: float = Field(
-        5.0, gt=0, description="Interval at which a worker renews its leases"
-    )
-    sweep_s: float = Field(
-        10.0, gt=0, description="Interval at which runs of dead workers are recovered"
-    )
-    attempts_max: int = Field(
-        3, ge=1, description="Broken evaluations after which a run is a platform failure"
-    )
     log_level: LogLevel = Field(
         "info", description="Least severe events in the log: `debug`, `info`, `warning` or `error`"
-    )
-    log_format: LogFormat = Field(
-        "auto", description="`json`, `text`, or `auto`: text on a terminal, otherwise JSON"
-    )
-    metrics: MetricsAccess = Field(
-        "local",
-        description="Who may read `/metrics`: `local` (this machine, not through a proxy), `token` "
-        "or `off`",
     )
     metrics_token: str = Field(
         "",
         repr=False,
         pattern=r"^([!-~]{20,200})?$",
-        description="Token that a Prometheus server sends; 20 characters or more",
+        description="Token with which a Prometheus server reads `/metrics` from elsewhere; 20 "
+        "characters or more",
     )
-    streams_max: int = Field(1000, ge=1, description="Maximum open event streams per web process")
     sign_up: SignUp = Field(
         "open", description="Who may create an account: `open`, `invitation` or `closed`"
     )
@@ -273,21 +255,13 @@ class Settings(BaseModel):
         filled["data"] = data
         filled.setdefault("database_url", f"sqlite:///{data / 'seamark.db'}")
         filled.setdefault("oidc_sign_up", filled.get("sign_up", "open"))
-        if "metrics_token" in filled:
-            filled.setdefault("metrics", "token")
         if str(filled.get("public", "")).lower() in {"1", "true", "yes", "on", "t", "y"}:
             filled.setdefault("sandbox_min_level", "strong")
-        if filled.get("sandbox_min_level") == "weak":  # of earlier versions; no host ever had it
-            filled["sandbox_min_level"] = "medium"
         return filled
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         """Reject combinations that cannot work."""
-        if self.lease_s <= 2 * self.heartbeat_s:
-            raise ValueError("lease_s must be more than twice heartbeat_s, or live runs are lost")
-        if self.metrics == "token" and not self.metrics_token:
-            raise ValueError("metrics is `token`, so metrics_token must be set")
         if self.mail_url and not (self.mail_from and self.url):
             raise ValueError("mail_url is set, so mail_from and url must be set: of what is sent")
         if self.oidc_issuer and not (self.oidc_client_id and self.oidc_client_secret and self.url):
@@ -309,14 +283,22 @@ class Settings(BaseModel):
 
     def _draw_keys(self) -> None:
         self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
-        is_new = not any(self.data.iterdir())
         secret = self.secret_key or kept(self.data / "secret", drawn())
         if secret == SIGNS_NOTHING:
             if not (self.seed_key or (self.data / "seed_key").exists()):
                 object.__setattr__(self, "seed_key", DERIVES_NOTHING)
         elif not self.seed_key:
-            # Earlier versions derived the seeds from the secret key: they must stay the same.
-            kept(self.data / "seed_key", drawn() if is_new else secret)
+            kept(self.data / "seed_key", drawn())
+
+    @property
+    def heartbeat_s(self) -> float:
+        """Interval at which a worker renews its leases."""
+        return min(5.0, self.lease_s / 6)
+
+    @property
+    def sweep_s(self) -> float:
+        """Interval at which runs of dead workers are recovered."""
+        return min(10.0, self.lease_s / 3)
 
     @property
     def derives_seeds(self) -> bool:
@@ -369,8 +351,9 @@ def _values(environ: Mapping[str, str]) -> dict[str, object]:
         if name not in Settings.model_fields and name.endswith("_file"):
             name, value = name.removesuffix("_file"), _content(variable, text)
         if name not in Settings.model_fields:
-            hint = f"; {REPLACED[name]}" if name in REPLACED else ""
-            raise SettingsInvalid(f"{variable} is not a setting of Seamark{hint}")
+            if name in REMOVED:
+                raise SettingsInvalid(f"{variable} is no longer a setting: {REMOVED[name]}")
+            raise SettingsInvalid(f"{variable} is not a setting of Seamark")
         if name in values:
             raise SettingsInvalid(f"{PREFIX}{name.upper()} is given twice, directly and as a file")
         # Nobody means an empty secret: what draws or writes it has failed.

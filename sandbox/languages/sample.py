@@ -42,10 +42,10 @@ class Sample:
         return next(iter(self.files.values())).read_text("utf-8")
 
 
-def sample(path: Path, *companions: Path, role: str = "controller", name: str = "") -> Sample:
+def sample(path: Path, *companions: Path, role: str = "controller") -> Sample:
     """Return a program of one text, with files that its author needs beside it."""
     files = {file.name: file for file in (path, *companions)}
-    return Sample(files=files, role=role, name=name)
+    return Sample(files=files, role=role)
 
 
 def _zipped(files: Mapping[str, bytes]) -> bytes:

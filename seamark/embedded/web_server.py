@@ -64,7 +64,7 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     from seamark.server.database.data_folder import WrongDataFolder
     from seamark.server.monitoring import log
 
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     try:
         # In a child: the library of the object storage has threads, which no fork may inherit.
         with ProcessPoolExecutor(1, get_context("fork")) as child:

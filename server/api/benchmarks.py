@@ -10,9 +10,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
-from seamark.server.runs.submission import validation
 from seamark.server.web.problems import Problem
-from seamark.server.web.services import services
 from seamark.sim import registry
 
 api = APIBlueprint(
@@ -53,7 +51,7 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
             name: asdict(point) for name, point in benchmark.starting_points.items()
         },
         "controllers": dict(benchmark.built_in),
-        "ranked_trials": validation.ranked_trials(benchmark, services().settings),
+        "ranked_trials": benchmark.ranked_trials,
         "protocol": None if benchmark.protocol is None else asdict(benchmark.protocol),
         "schema": benchmark.schema(),
     }

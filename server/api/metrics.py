@@ -86,11 +86,11 @@ def count(answer: Response) -> Response:
 def metrics() -> Response:
     """Return the metrics in the text format of Prometheus, to those who may read them."""
     settings = services().settings
-    if settings.metrics == "token" and not _has_token(settings.metrics_token):
+    if settings.metrics_token and not _has_token(settings.metrics_token):
         refusal = Response("The metrics need a token.\n", 401, content_type="text/plain")
         refusal.headers["WWW-Authenticate"] = "Bearer"
         return refusal
-    if settings.metrics == "off" or (settings.metrics == "local" and not _is_local()):
+    if not settings.metrics_token and not _is_local():
         raise NotFound
     exposition: Exposition = current_app.extensions[_KEY]
     return Response(exposition.text(), content_type=CONTENT_TYPE_LATEST)

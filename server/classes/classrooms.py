@@ -155,14 +155,14 @@ def remove(session: Session, class_id: int) -> None:
     session.execute(delete(Classroom).where(Classroom.id == class_id))
 
 
-def pupils(session: Session, class_id: int, *, after: str = "", limit: int = PAGE) -> list[Pupil]:
+def pupils(session: Session, class_id: int, *, after: str = "") -> list[Pupil]:
     """Return the students of a class in the order of their names, those after a name."""
     query = (
         select(User.id, User.name, Membership.joined_at)
         .join(Membership, Membership.user_id == User.id)
         .where(Membership.class_id == class_id, User.name_key > after.casefold())
         .order_by(User.name_key)
-        .limit(limit)
+        .limit(PAGE)
     )
     return [Pupil(*row) for row in session.execute(query)]
 

@@ -11,7 +11,6 @@ class AdvisoryLock(IntEnum):
     """The critical sections of the service. PostgreSQL knows a lock by its number alone."""
 
     SUBMISSION = 0x5EA_0001  # quota check and insert of a run
-    # 0x5EA_0002 was for all claims, of earlier versions.
     CHECKS = 0x5EA_0003  # the queue of checks
     BASELINES = 0x5EA_0004  # looking for baselines and submitting the missing ones
     LEADERBOARD = 0x5EA_0005  # changes of the `best` rows

@@ -42,7 +42,7 @@ class _LastingHandler(logging.StreamHandler[TextIO]):
         """Lose the line."""
 
 
-def configure(level: Level, style: Format) -> None:
+def configure(level: Level, style: Format = "auto") -> None:
     """Set up the log of this process; every process of the service calls it once at its start.
 
     Parameters

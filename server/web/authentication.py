@@ -100,7 +100,7 @@ def _token() -> str:
 
 def _has_other_token() -> bool:
     """Return whether the token of the request is none of an account: that of `/metrics`."""
-    return request.endpoint == "metrics.metrics" and services().settings.metrics == "token"
+    return request.endpoint == "metrics.metrics" and bool(services().settings.metrics_token)
 
 
 def _viewer() -> Viewer:

@@ -161,7 +161,13 @@ class Benchmark:
     )  # settings of the shortest run
     # None: the first versions, whose ranked runs all have the same hidden seeds
     protocol: RankedProtocol | None = None
+    shared_trials: int = 10  # of a ranked run without a protocol
     curves: tuple[Curve, ...] = ()
+
+    @property
+    def ranked_trials(self) -> int:
+        """Number of trials of a ranked run."""
+        return self.shared_trials if self.protocol is None else self.protocol.trials
 
     def load(self) -> "Experiment":
         """Return the experiment; loads the simulator with Numba and OpenCV."""

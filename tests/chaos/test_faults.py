@@ -7,7 +7,7 @@ from tests.chaos.faults import FAULTS
 from tests.chaos.installation import installation
 
 RUNS, SEED = 12, 1
-SHORT_LEASES = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "warm_boxes": 0}
+SHORT_LEASES = {"lease_s": 3.0, "warm_boxes": 0}
 QUICK = (
     "pool child killed",
     "simulator killed",

@@ -25,7 +25,7 @@ from tests.worker.service.test_side_processes import eventually, pid_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
-NEVER = {"lease_s": 3600.0, "sweep_s": 3600.0}
+NEVER = {"lease_s": 3600.0}
 MINUTES = {**LONG, "level_duration_s": 100.0}
 SLOW_TO_START = b"""
 import time

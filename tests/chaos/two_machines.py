@@ -24,13 +24,14 @@ from seamark.client.sync_runs import Run as ClientRun
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.server.messaging import workers
+from seamark.sim import registry
 from seamark.sim.engine.seeds import hidden_seed
-from seamark.worker.evaluation.local import evaluate_locally
+from seamark.worker.evaluation.local import evaluate_locally, evaluate_seeds
 from tests.chaos import machine_session
 from tests.chaos.campaign import PROGRAM
 from tests.chaos.faults import ERRORS_S, HANG_S
 from tests.chaos.installation import wait_until
-from tests.chaos.machine_session import ELSEWHERE, HERE, ONE_TRIAL, QUOTAS, START_S, Session
+from tests.chaos.machine_session import ELSEWHERE, HERE, QUOTAS, START_S, Session
 from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
@@ -101,7 +102,8 @@ def equal_results(service: Service) -> None:
     program = service.session.host.folder / "p.py"
     program.write_bytes(PROGRAM)
     key = (service.session.host.secrets / "seed_key").read_text().encode()
-    hidden = hidden_seed(key, "currents-v1", 0)
+    trials = registry.benchmark("currents-v1").ranked_trials
+    hidden = tuple(hidden_seed(key, "currents-v1", trial) for trial in range(trials))
     full: dict[str, object] = {}
     cases: dict[str, tuple[list[ClientRun], str]] = {
         "a built-in controller": (
@@ -114,7 +116,7 @@ def equal_results(service: Service) -> None:
         ),
         "a ranked run": (
             [client.submit("currents-v1", **RANKED) for client in service.clients * 2],
-            evaluate_locally("currents-v1", full, seed=hidden, controller="pi").digest,
+            evaluate_seeds("currents-v1", full, seeds=hidden, controller="pi").digest,
         ),
     }
     for name, (runs, wanted) in cases.items():
@@ -301,14 +303,14 @@ def _answers(client: Client) -> bool:
 
 def _start_worker(session: Session, name: str) -> None:
     machine = HERE if name == "worker-a" else ELSEWHERE
-    extra = QUOTAS | ONE_TRIAL | {"SEAMARK_WORKERS": "1"}
+    extra = QUOTAS | {"SEAMARK_WORKERS": "1"}
     worker = session.start("worker", machine, name=name, environment=extra)
     wait_until(worker.is_healthy, START_S)
 
 
 def _start_web(session: Session, name: str) -> None:
     number = {"web-1": 5, "web-2": 6}[name]  # a proxy finds a replica again by its name
-    extra = QUOTAS | ONE_TRIAL
+    extra = QUOTAS
     web = session.start("web", name=name, number=number, environment=extra)
     wait_until(lambda: _is_up(web.address), START_S)
 

@@ -63,7 +63,7 @@ def _wait_until_ready(process: "subprocess.Popen[bytes]", url: str, log: Path) -
 
 @contextlib.contextmanager
 def running(**settings: str) -> Iterator[Service]:
-    """Run `seamark up` on a free port, with one ranked trial so that a ranked run is short."""
+    """Run `seamark up` on a free port."""
     with tempfile.TemporaryDirectory(prefix="seamark-journey-") as folder:
         port, data, log = free_port(), Path(folder) / "data", Path(folder) / "log"
         command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(port)]
@@ -73,7 +73,6 @@ def running(**settings: str) -> Iterator[Service]:
                 cwd=ROOT,
                 env={
                     **os.environ,
-                    "SEAMARK_RANKED_TRIALS": "1",
                     "SEAMARK_SIGN_UPS_PER_HOUR": "1000",  # all tests sign up from one address
                     "SEAMARK_EMBED_ORIGINS": f"http://localhost:{EMBEDDING_PORT}",
                     **settings,

@@ -28,4 +28,4 @@ BENCHMARK = replace(
     protocol=RankedProtocol(reference_trials=2, fresh_trials=4),
 )
 # As the first versions: all ranked runs are in the same hidden water.
-SHARED = replace(BENCHMARK, name=SHARED_NAME, protocol=None)
+SHARED = replace(BENCHMARK, name=SHARED_NAME, protocol=None, shared_trials=4)

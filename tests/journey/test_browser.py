@@ -7,6 +7,7 @@ from playwright.sync_api import FilePayload, expect
 
 from tests.journey.visitor import (
     PROGRAM,
+    RUN_MS,
     Visitor,
     choose_file,
     customise,
@@ -42,7 +43,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     expect(page.get_by_label("Level duration")).to_be_disabled()
 
     page.get_by_role("button", name="Start ranked run").click()
-    visitor.wait_for("succeeded")
+    visitor.wait_for("succeeded", timeout_ms=4 * RUN_MS)  # ten trials
     expect(page.locator("[data-log]")).to_contain_text("level 4")
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
@@ -53,7 +54,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     row = page.get_by_role("row", name=re.compile("journey"))
     expect(row).to_contain_text("Steady hand")
     lines = download.value.path().read_text().splitlines()
-    assert len([line for line in lines if not line.startswith("#")]) == 1 + 5 * 120 * 20
+    assert len([line for line in lines if not line.startswith("#")]) == 1 + 10 * 5 * 120 * 20
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 

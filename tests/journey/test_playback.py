@@ -198,7 +198,7 @@ def service(
     monkeypatch.setitem(registry.BENCHMARKS, NAME, PATH)
     monkeypatch.setitem(registry.BENCHMARKS, SHARED_NAME, SHARED_PATH)
     # With a key of its own, each test has other water, and luck decides about the last tenth.
-    changes = {"ranked_trials": 4, "seed_key": "the same water in each test"}
+    changes = {"seed_key": "the same water in each test"}
     backend.settings = backend.settings.model_copy(update=changes)
     app = create_app(backend.settings)
 

@@ -95,9 +95,9 @@ class Visitor:
                 return
         expect(control).to_be_focused()
 
-    def wait_for(self, state: str) -> None:
+    def wait_for(self, state: str, *, timeout_ms: float = RUN_MS) -> None:
         badge = self.page.locator("[data-state-badge] .badge")
-        expect(badge).to_have_text(re.compile(state), timeout=RUN_MS)
+        expect(badge).to_have_text(re.compile(state), timeout=timeout_ms)
 
     def violations(self) -> list[str]:
         found: list[str] = self.page.evaluate("window.violations")

@@ -27,10 +27,6 @@ def test_a_public_service_requires_strong_isolation_unless_configured_otherwise(
     assert configured.sandbox_min_level == "medium"
 
 
-def test_the_isolation_level_weak_of_earlier_versions_means_medium(tmp_path: Path) -> None:
-    assert _load(tmp_path, SEAMARK_SANDBOX_MIN_LEVEL="weak").sandbox_min_level == "medium"
-
-
 def test_the_secret_key_is_generated_once_and_only_its_owner_can_read_it(tmp_path: Path) -> None:
     first, second = _load(tmp_path), _load(tmp_path)
 
@@ -47,20 +43,6 @@ def test_a_new_service_draws_the_key_of_its_seeds_apart_from_the_secret_key(tmp_
     assert first.seed_key == second.seed_key != first.secret_key
     assert (tmp_path / "new" / "seed_key").stat().st_mode & 0o777 == 0o600
     assert first.seed_key not in repr(first)
-
-
-@pytest.mark.parametrize("given", [{}, {"SEAMARK_SECRET_KEY": "given"}])
-def test_a_service_of_an_earlier_version_keeps_its_seeds_when_the_secret_key_changes(
-    tmp_path: Path, given: dict[str, str]
-) -> None:
-    (tmp_path / "secret").write_text("of an earlier version")
-    before = given.get("SEAMARK_SECRET_KEY", "of an earlier version")
-
-    upgraded = _load(tmp_path, **given)
-    rotated = _load(tmp_path, SEAMARK_SECRET_KEY="another one")
-
-    assert (upgraded.secret_key, upgraded.seed_key) == (before, before)
-    assert (rotated.secret_key, rotated.seed_key) == ("another one", before)
 
 
 def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
@@ -124,7 +106,8 @@ def test_who_only_looks_draws_no_keys_and_makes_no_folder(tmp_path: Path) -> Non
         ({"SEAMARK_PORT": "70000"}, "65535"),
         ({"SEAMARK_WORKERS": "0"}, "SEAMARK_WORKERS"),
         ({"SEAMARK_SANDBOX_MIN_LEVEL": "total"}, "strong"),
-        ({"SEAMARK_LEASE_S": "8"}, "heartbeat_s"),
+        ({"SEAMARK_RANKED_TRIALS": "5"}, "no longer a setting: each benchmark says"),
+        ({"SEAMARK_METRICS": "off"}, "no longer a setting: others"),
         ({"SEAMARK_SECRET_KEY_FILE": "/nothing/here"}, "cannot be read"),
     ],
 )

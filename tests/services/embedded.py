@@ -20,12 +20,8 @@ END_S = 60.0  # most that a service takes to end
 
 @contextmanager
 def started(data: Path, **settings: str) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
-    """Serve a data folder with one worker; gives the address and the process.
-
-    Ranked runs have one trial, so that the built-in entries, which run first, are short.
-    """
+    """Serve a data folder with one worker; gives the address and the process."""
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
-    environ |= {"SEAMARK_RANKED_TRIALS": "1"}
     service = subprocess.Popen(
         up(data),
         env=environ | {f"SEAMARK_{name.upper()}": value for name, value in settings.items()},

@@ -30,7 +30,7 @@ from tests.worker.processes import command_line
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
-QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
+QUICK = {"lease_s": 3.0, "workers": 1}
 
 
 @dataclass

@@ -7,7 +7,7 @@ from seamark.server.monitoring import log
 from seamark.server.settings import Settings
 
 settings = Settings.load()
-log.configure(settings.log_level, settings.log_format)
+log.configure(settings.log_level)
 setup_logging.connect(lambda **_: None, weak=False)  # without a receiver, Celery sets up its own
 app = celery_app(settings)
 app.conf.update(include=["seamark.worker.service.tasks"])

@@ -128,7 +128,7 @@ def main(parent: str, lane: str) -> None:
     """Be one of the places for connected programs of a worker."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), settings.data / "compiled")
     BridgeLoop(settings, simulator, stopping, lane=lane).serve()
 

@@ -190,7 +190,7 @@ def main(parent: str, lane: str, slot_json: str) -> None:
     """Be one of the check processes of a worker."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     slot = WorkerSlot.from_json(slot_json)
     simulator = Simulator(slot, settings.data / "compiled")
     CheckLoop(settings, simulator, slot.languages, stopping, lane=lane).serve()

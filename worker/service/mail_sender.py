@@ -29,7 +29,7 @@ def main(parent: str) -> None:
     """Be the sender of e-mail of one worker."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     database, meters = Database(settings.database_url), SharedMeters(broker.connect(settings))
     if rights.are_restricted(database, stopping):
         _log.error("no_mail_sent", why="the database role of this worker reads no addresses")

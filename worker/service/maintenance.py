@@ -278,7 +278,7 @@ def main(parent: str) -> None:
     """Be the maintenance process of one worker."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     app, redis = broker.celery_app(settings), broker.connect(settings)
     impatient = broker.connect(settings, timeout_s=BROKER_S)
     shared = SharedMeters(impatient)

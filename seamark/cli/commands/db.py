@@ -167,7 +167,7 @@ def reference_entries(data: Path | None, as_json: bool) -> None:
     from seamark.server.runs.submission import baselines
 
     settings = settings_of(data)
-    log.configure(settings.log_level, settings.log_format)
+    log.configure(settings.log_level)
     database = database_of(settings)
     try:
         with database.writing() as session:

@@ -12,7 +12,6 @@ from seamark.server.pages.charts.plots import OnAxis
 from seamark.server.pages.docs import guides
 from seamark.server.pages.previews import link_previews
 from seamark.server.runs.leaderboard import leaderboard, reference_entries, score_counts
-from seamark.server.runs.submission import validation
 from seamark.server.web import known_benchmarks
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
@@ -57,7 +56,6 @@ def show(name: str) -> ResponseReturnValue:
         "benchmark/show.html",
         benchmark=benchmark,
         picture=has_picture(name),
-        ranked_trials=validation.ranked_trials(benchmark, services().settings),
         benchmarks=known_benchmarks.labels(),
         sections=guides.folded(explanation),
         leader=leader,

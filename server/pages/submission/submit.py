@@ -200,7 +200,6 @@ def _show(
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=ranked,
         ranked_day=len(ranked_day),
-        ranked_trials=validation.ranked_trials(benchmark, settings),
         upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),
         quota=used,
         settings=settings,

@@ -19,6 +19,7 @@ from seamark.server.runs.record.trial_scores import error_of_score
 from seamark.sim import registry
 
 LABEL_MAX = 40  # [character] of a vehicle or tracker
+BATCH = 200  # rows whose metrics one call computes
 
 
 def refresh(session: Session, benchmark: str, user_id: int) -> None:
@@ -53,11 +54,11 @@ def recount(session: Session, run_id: int) -> None:
         _count_submissions(session, Best.benchmark == run.benchmark, Best.user_id == run.user_id)
 
 
-def complete_metrics(session: Session, limit: int = 200) -> int:
+def complete_metrics(session: Session) -> int:
     """Compute the metrics of some rows of an earlier version, and return their number."""
     acquire(session, AdvisoryLock.LEADERBOARD)
     missing = select(Best, Result.metrics).join(Result, Result.run_id == Best.run_id)
-    rows = session.execute(missing.where(Best.metrics.is_(None)).limit(limit)).all()
+    rows = session.execute(missing.where(Best.metrics.is_(None)).limit(BATCH)).all()
     for best, metrics in rows:
         best.metrics = _board_values(best.benchmark, metrics)
     return len(rows)

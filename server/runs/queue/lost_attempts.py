@@ -1,7 +1,7 @@
 """Runs whose attempt ended without a result go back to the queue, or fail after too many of them.
 
 An attempt that ends without a result costs the run nothing if its worker was stopped. It fails with
-`platform_error` when its evaluation has broken `attempts_max` times, or when it has lost its worker
+`platform_error` when its evaluation has broken three times, or when it has lost its worker
 or the room for its data `INTERRUPTIONS_MAX` times: by then it may be the run that takes them.
 """
 

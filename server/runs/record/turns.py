@@ -166,14 +166,14 @@ def wait_for(session: Session, owner: str, *, within_s: float) -> None:
         raise
 
 
-def lock_free(session: Session, owners: Collection[str], *, within_s: float = FREE_S) -> set[str]:
+def lock_free(session: Session, owners: Collection[str]) -> set[str]:
     """Lock the rows of owners, and return the owners whose runs the caller may change now.
 
     Those whose rows another transaction keeps for longer are left out: its machine may have
     vanished.
     """
     rows = select(Turn.owner).where(Turn.owner.in_(sorted(owners))).order_by(Turn.owner)
-    until = time.monotonic() + within_s
+    until = time.monotonic() + FREE_S
     while True:
         free = set(session.scalars(rows.with_for_update(skip_locked=True)))
         taken = set(session.scalars(rows)) - free

@@ -93,7 +93,7 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
     if submission.kind is RunKind.RANKED:
         chosen = submission.controller
         config = ranked_scenario.apply(benchmark, submission.config, config, controller=chosen)
-        trials = _ranked_trials(submission, benchmark, settings)
+        trials = _ranked_trials(submission, benchmark)
     else:
         trials = _practice_trials(submission, settings)
     if (submission.controller == UPLOAD) != (submission.program is not None):
@@ -121,12 +121,6 @@ def find_benchmark(name: str) -> Benchmark:
     return registry.benchmark(name)
 
 
-def ranked_trials(benchmark: Benchmark, settings: Settings) -> int:
-    """Return the number of trials of a ranked run."""
-    protocol = benchmark.protocol
-    return settings.ranked_trials if protocol is None else protocol.trials
-
-
 def require_permission(
     viewer: Viewer, *, kind: RunKind = RunKind.PRACTICE, uploads: bool = False
 ) -> None:
@@ -146,8 +140,8 @@ def check_language(benchmark: Benchmark, language: str) -> None:
         raise SubmissionRejected(sentence, field="program")
 
 
-def _ranked_trials(submission: Submission, benchmark: Benchmark, settings: Settings) -> int:
-    trials = ranked_trials(benchmark, settings)
+def _ranked_trials(submission: Submission, benchmark: Benchmark) -> int:
+    trials = benchmark.ranked_trials
     if submission.seed is not None:
         raise SubmissionRejected(ranked_scenario.SEED_REFUSAL, field="seed")
     if submission.trials not in (None, trials):

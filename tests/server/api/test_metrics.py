@@ -142,11 +142,10 @@ def test_without_the_broker_the_metrics_say_so(backend: Backend, tmp_path: Path)
         ({}, {}, "192.0.2.1", 404),
         ({}, {"X-Forwarded-For": "192.0.2.1"}, "127.0.0.1", 404),  # a proxy that is not declared
         ({"proxies": 1}, {"X-Forwarded-For": "192.0.2.1"}, "127.0.0.1", 404),
-        ({"metrics": "off"}, {}, "127.0.0.1", 404),
-        ({"metrics": "token"}, {}, "127.0.0.1", 401),
-        ({"metrics": "token"}, {"Authorization": "Bearer wrong"}, "127.0.0.1", 401),
-        ({"metrics": "token"}, {"Authorization": "Bearer \xe4"}, "127.0.0.1", 401),
-        ({"metrics": "token"}, {"Authorization": f"Bearer {TOKEN}"}, "192.0.2.1", 200),
+        ({"metrics_token": TOKEN}, {}, "127.0.0.1", 401),
+        ({"metrics_token": TOKEN}, {"Authorization": "Bearer wrong"}, "127.0.0.1", 401),
+        ({"metrics_token": TOKEN}, {"Authorization": "Bearer \xe4"}, "127.0.0.1", 401),
+        ({"metrics_token": TOKEN}, {"Authorization": f"Bearer {TOKEN}"}, "192.0.2.1", 200),
     ],
 )
 def test_strangers_read_no_metrics(
@@ -156,7 +155,7 @@ def test_strangers_read_no_metrics(
     address: str,
     status: int,
 ) -> None:
-    with service(backend, metrics_token=TOKEN, **changes) as site:
+    with service(backend, **changes) as site:
         environ = {"REMOTE_ADDR": address}
         answer = site.client().get("/metrics", headers=headers, environ_base=environ)
 

@@ -119,7 +119,7 @@ def test_a_run_whose_owner_is_held_by_a_vanished_machine_is_recovered_later(
 def test_a_machine_that_vanishes_in_the_maintenance_stops_no_recovery(backend: Backend) -> None:
     lost = backend.running("ben")
     app, redis = broker.celery_app(backend.settings), broker.connect(backend.settings)
-    quick = backend.settings.model_copy(update={"lease_s": 0.001, "heartbeat_s": 0.001})
+    quick = backend.settings.model_copy(update={"lease_s": 0.001})
     machine = Database(backend.settings.database_url, idle_s=PATIENCE_S)
 
     with Session(machine.engine) as vanished:

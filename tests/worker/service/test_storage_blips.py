@@ -60,7 +60,7 @@ def backend(
 ) -> Iterator[Backend]:
     """The cast of a service with object storage, whose leases are short."""
     shared = s3_server.settings(tmp_path.name) | {"storage_endpoint": storage.endpoint}
-    short = {"lease_s": LEASE_S, "heartbeat_s": LEASE_S / 4}
+    short = {"lease_s": LEASE_S}
     settings = Settings.model_validate(settings.model_dump() | shared | short)
     tables.create(settings)
     database = Database(settings.database_url)

@@ -221,7 +221,7 @@ def test_a_ranked_run_has_the_scenario_of_the_benchmark(site: Site) -> None:
     run_id = _new_run(site.browser("ann"), kind="ranked", kp="0.9", level_duration_s="120")
 
     run = site.show(run_id)
-    assert (run.kind, run.seed, run.trials) == ("ranked", None, site.settings.ranked_trials)
+    assert (run.kind, run.seed, run.trials) == ("ranked", None, 10)
     assert (run.config["kp"], run.config["level_duration_s"]) == (0.9, 120.0)
 
 

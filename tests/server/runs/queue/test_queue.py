@@ -229,7 +229,7 @@ def test_a_ranked_run_shows_no_seed(both: Backend) -> None:
     run_id = both.queue("ann", kind=RunKind.RANKED)
 
     assert both.show(run_id).seed is None
-    assert both.show(run_id).trials == both.settings.ranked_trials
+    assert both.show(run_id).trials == 10
 
 
 def test_a_reading_transaction_sees_one_moment_while_a_worker_claims_the_run(both: Backend) -> None:
