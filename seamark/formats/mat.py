@@ -11,24 +11,13 @@ from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 from seamark.formats.recording import FormatRefused, Recording
+from seamark.formats.registry import FORMATS
 
-# A variable may have 2 GB, but it is compressed in memory, which takes 40 bytes for each row.
-# Beside it some columns are held at a time; for the others all rows are read again.
-ROWS_MAX = 3_000_000
+# Some columns are held at a time; for the others all rows are read again.
 VALUES_AT_A_TIME = 8_000_000  # 64 MB
 HEAD_TEXT = b"MATLAB 5.0 MAT-file, written by Seamark"
 _HEAD_BYTES, _TEXT_BYTES = 128, 116
 _VERSION = b"\x00\x01IM"  # 0x0100, and the byte order: little-endian
-
-
-def refusal(rows: int) -> str | None:
-    """Return why a run with this number of rows cannot be written, or None."""
-    if rows <= ROWS_MAX:
-        return None
-    return (
-        f"The run has {rows:,} rows; a MAT-file may have {ROWS_MAX:,}. MATLAB reads "
-        "telemetry.parquet with parquetread, at any length."
-    )
 
 
 def write(recording: Recording, file: BinaryIO) -> None:
@@ -37,9 +26,9 @@ def write(recording: Recording, file: BinaryIO) -> None:
     Raises
     ------
     FormatRefused
-        There are more than `ROWS_MAX` rows.
+        There are more rows than the registry allows.
     """
-    if reason := refusal(recording.row_count):
+    if reason := FORMATS["mat"].refusal(recording.row_count):
         raise FormatRefused(reason)
     columns = recording.columns
     file.write(HEAD_TEXT.ljust(_TEXT_BYTES) + bytes(8) + _VERSION)

@@ -9,7 +9,6 @@ from flask import Response, g, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.formats import mat
 from seamark.formats.registry import FORMATS, REVISION, Format
 from seamark.formats.ros import layout
 from seamark.server.accounts.permissions import Action, Viewer, can
@@ -38,23 +37,22 @@ api = APIBlueprint(
 )
 
 
-def _content(name: str) -> Any:
-    return answers_with(FORMATS[name].media_type)
+def _add(kind: Format) -> None:
+    """Add the download of a format; its name and text are those of the registry."""
+
+    def download(path: RunPath) -> Response:
+        return _converted(path.run_id, FORMATS[kind.name])
+
+    named = kind.file.startswith(kind.name)
+    download.__name__ = kind.name if named else kind.file.replace(".", "_")
+    download.__doc__ = kind.document
+    rule = f"/runs/<int:run_id>/{kind.file}"
+    api.get(rule, responses=answers_with(kind.media_type))(download)
 
 
-@api.get("/runs/<int:run_id>/telemetry.parquet", responses=_content("parquet"))
-def telemetry_parquet(path: RunPath) -> Response:
-    """Download all rows so far as Apache Parquet; the metadata of a column has its unit."""
-    return _converted(path.run_id, FORMATS["parquet"])
-
-
-@api.get("/runs/<int:run_id>/telemetry.mcap", responses=_content("mcap"))
-def telemetry_mcap(path: RunPath) -> Response:
-    """Download all rows so far as MCAP: ROS 2 messages with poses and camera images, for Foxglove.
-
-    An image per second of simulated time, 600 at most; the layout for Foxglove is attached.
-    """
-    return _converted(path.run_id, FORMATS["mcap"])
+for _kind in FORMATS.values():
+    if _kind.converted:
+        _add(_kind)
 
 
 @api.get("/foxglove-layout.json", responses=answers_with("application/json", "object"))
@@ -66,33 +64,11 @@ def foxglove_layout() -> Response:
     return caching.conditional(answer)
 
 
-@api.get("/runs/<int:run_id>/telemetry.npz", responses=_content("npz"))
-def telemetry_npz(path: RunPath) -> Response:
-    """Download all rows so far for NumPy: a structured array, and arrays with the units."""
-    return _converted(path.run_id, FORMATS["npz"])
-
-
-@api.get("/runs/<int:run_id>/telemetry.mat", responses=_content("mat"))
-def telemetry_mat(path: RunPath) -> Response:
-    """Download all rows so far as a MAT-file (version 7): a variable for each column."""
-    return _converted(path.run_id, FORMATS["mat"])
-
-
-@api.get("/runs/<int:run_id>/archive.zip", responses=_content("archive"))
-def archive(path: RunPath) -> Response:
-    """Download manifest, configuration, metrics, telemetry and program for `seamark rerun`.
-
-    The program is in the archive of your own and of public runs. A run that has not ended has no
-    manifest and no metrics yet.
-    """
-    return _converted(path.run_id, FORMATS["archive"])
-
-
 def _converted(run_id: int, kind: Format) -> Response:
     view = access.run_for(run_id)
     files = access.files_of(view)
     job, program = _job(view, files, kind)
-    if kind.name == "mat" and (reason := mat.refusal(job.rows)):
+    if reason := kind.refusal(job.rows):
         raise Problem("conflict", reason)
     line = job.request(kind, files)
     version = f"{versions()['seamark']} {REVISION}"
@@ -112,20 +88,18 @@ def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
     settings = services().settings
     manifest = view.manifest or files.manifest()
     metrics = view.metrics or files.metrics()
-    program = _program(view) if kind.name == "archive" else None
+    program = _program(view) if kind.whole else None
     job = Job(
         title=f"Run {view.id}",
         benchmark=view.benchmark,
         config=view.config,
         rows=count,
-        seeds=list(map(trial_seeds(view, settings), range(view.trials)))
-        if kind.name == "mcap"
-        else None,
+        seeds=list(map(trial_seeds(view, settings), range(view.trials))) if kind.images else None,
         comments=run_files.comments(view, files, count),
         manifest=_manifest(view, manifest),
         metrics=run_files.without_hidden_seeds(metrics, view),
         program=None if program is None else view.program_name or "program",
-        extra_files=_citation(view) if kind.name == "archive" else {},
+        extra_files=_citation(view) if kind.whole else {},
     )
     return job, program or b""
 

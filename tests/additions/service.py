@@ -23,12 +23,25 @@ from seamark.sandbox.languages.language import Language
 FORMULAS: Language = __import__("formulas").FORMULAS
 LANGUAGES[FORMULAS.name] = FORMULAS
 
+from seamark.formats.registry import FORMATS, Format
+
+FORMATS["knots"] = Format(
+    name="knots",
+    file="telemetry.knots",
+    media_type="text/plain",
+    label="for sailors, on a rope",
+    module="knots",
+    document="Download all rows so far as knots.",
+)
+
 from seamark.server.pages.administration import ADMIN_PAGES
 
 ADMIN_PAGES.append(__import__("weather").WEATHER)
 
+from click import Context
 from flask import Flask
 
+from seamark.cli.commands.export import export
 from seamark.programs import preparation
 from seamark.sandbox.languages import starters
 from seamark.server.app import create_app
@@ -103,6 +116,7 @@ def main(folder: str, broker: str) -> None:
     app = create_app(settings)
     app.testing = True
     found = _shown(app, backend, _addresses(app, run_id))
+    found |= {"seamark export --help": export.get_help(Context(export))}
     found |= {"weather for a guest": app.test_client().get("/admin/weather").text}
     found |= {
         "starters": " ".join(starters()),

@@ -15,6 +15,7 @@ from pkgutil import resolve_name
 
 import pytest
 
+from seamark.formats.registry import FORMATS
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.pages.administration import ADMIN_PAGES
 from seamark.sim import registry
@@ -54,6 +55,7 @@ LISTED: dict[str, tuple[Sequence[str], str]] = {
     "names of vehicles": ([f'"{name}"' for name in registry.VEHICLES], '"dory"'),
     "benchmarks": ([registry.benchmark(name).title for name in registry.BENCHMARKS], "harbour"),
     "names of benchmarks": ([*registry.BENCHMARKS], "harbour-v1"),
+    "files of formats": ([one.file for one in FORMATS.values()], "telemetry.knots"),
     "trackers": (
         [resolve_name(path).label for path in registry.TRACKERS.values()],
         "Drifting corners",
@@ -96,7 +98,12 @@ EXPECTED = {  # address -> what it shows of the added things
     "/admin/rejudgements/new": ("harbour-v1", "Formulas (one for each axis)"),
     "/admin/workers": ("Formulas (one for each axis)",),
     "/admin/weather": ("Fog",),
-    "/runs/1": ("Dory with oars", "Drifting corners"),
+    "/runs/1": (
+        *("Dory with oars", "Drifting corners"),
+        *("/api/v1/runs/1/telemetry.knots", "for sailors, on a rope"),
+    ),
+    "/api/v1/openapi.json": ("telemetry.knots", "Download all rows so far as knots."),
+    "seamark export --help": ("knots", "for sailors, on a rope"),
     "/api/v1/runs/1/scene.json": ('"capsule"', "#e9f0f2"),
     "/api/v1/benchmarks": ("harbour-v1",),
     "/api/v1/environment": ("formulas",),

@@ -105,10 +105,4 @@ def show() -> str:
     return "Fog"
 """,
 }
-FORMAT = {
-    "knots.py": """
-def write(recording, file):
-    file.write(b"knots")
-""",
-}
 FILES = BENCHMARK | VEHICLE | TRACKER | CONTROLLER | LANGUAGE | ADMIN_PAGE

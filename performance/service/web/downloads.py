@@ -124,7 +124,7 @@ def measured(name: str, table: Rows, count: int) -> tuple[float, float, float]:
         read=read,
         seeds=[1],
     )
-    if name == "mcap":  # the images cost what they cost; their number is limited
+    if FORMATS[name].images:  # the images cost what they cost; their number is limited
         recording = replace(recording, seeds=None)
     file = _Discarded()
     began_s = process_time()

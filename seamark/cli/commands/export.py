@@ -16,7 +16,19 @@ if TYPE_CHECKING:
     from seamark.formats.recording import Program
 
 
-@click.command()
+_HELP = f"""Write a run of a server, or a result of `seamark run --out`, as a file.
+
+\b
+{chr(10).join(f"{name:<8} {kind.label}" for name, kind in FORMATS.items())}
+
+\b
+Examples:
+  seamark export 42 --format mcap -o run.mcap
+  seamark export result --format parquet
+"""
+
+
+@click.command(help=_HELP)
 @click.argument("result", metavar="RUN|FOLDER")
 @click.option(
     "--format", "name", type=click.Choice(list(FORMATS)), required=True, help="What to write."
@@ -46,21 +58,7 @@ def export(
     token: str | None,
     as_json: bool,
 ) -> None:
-    """Write a run of a server, or a result of `seamark run --out`, as a file.
-
-    \b
-    csv      text, with units in its comments
-    parquet  for pandas, Polars, DuckDB; with units
-    mcap     for Foxglove and ROS 2; with poses and camera images
-    npz      for NumPy
-    mat      for MATLAB and Octave
-    archive  everything that `seamark rerun` needs
-
-    \b
-    Examples:
-      seamark export 42 --format mcap -o run.mcap
-      seamark export result --format parquet
-    """
+    """Write a run as a file."""
     from seamark.cli.drafts import draft_of
     from seamark.cli.results import is_run
 

@@ -7,7 +7,7 @@ from flask import Blueprint, flash, g, make_response, redirect, render_template,
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
-from seamark.formats import mat
+from seamark.formats.registry import FORMATS, Format
 from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages.previews import link_previews
 from seamark.server.pages.publication import publications
@@ -55,7 +55,7 @@ def show(run_id: int) -> ResponseReturnValue:
         title_max=run_notes.TITLE_MAX,
         notes_max=run_notes.NOTES_MAX,
         has_rows=files.row_count() > 0,
-        no_mat=mat.refusal(files.row_count()),
+        formats=_formats(files.row_count()),
         mission=log_view.of_run(run),
         tracks=log_view.tracks(run),
         connected=run.controller == ROSBRIDGE,
@@ -164,6 +164,11 @@ def _last_lines(run: RunView, log: str) -> str:
     kept = run.detail.get("log_tail") or ""
     text: str = log or (kept if isinstance(kept, str) else "\n".join(kept))
     return "\n".join(text.rstrip().splitlines()[-LAST_LINES:])
+
+
+def _formats(rows: int) -> list[tuple[Format, str]]:
+    """Return the formats that the page folds, each with why the run cannot be written in it."""
+    return [(kind, kind.refusal(rows)) for kind in FORMATS.values() if kind.folded]
 
 
 def _data_note(run: RunView) -> str:

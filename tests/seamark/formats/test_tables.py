@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 import scipy.io
 
-from seamark.formats import mat, parquet
+from seamark.formats import parquet
 from seamark.formats.recording import FormatRefused, Recording, RowsGone
 from seamark.formats.registry import FORMATS
 from seamark.sim.recording.telemetry import COLUMNS, NAMES, Rows
@@ -114,7 +114,7 @@ def test_octave_reads_the_same_bits_from_mat(written: Written, rows: Rows, tmp_p
 
 
 def test_a_mat_file_of_too_many_rows_is_refused_with_another_way(recording: Recording) -> None:
-    long = replace(recording, row_count=mat.ROWS_MAX + 1)
+    long = replace(recording, row_count=(FORMATS["mat"].rows_max or 0) + 1)
 
     with pytest.raises(FormatRefused, match="parquetread"):
         FORMATS["mat"].write(long, BytesIO())

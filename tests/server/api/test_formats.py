@@ -13,7 +13,6 @@ import scipy.io
 from mcap.reader import make_reader
 from werkzeug.test import TestResponse
 
-from seamark.formats import mat
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.conversions import PLACES, ConversionFailed, Conversions
@@ -164,7 +163,7 @@ def test_a_process_that_fails_breaks_the_download_instead_of_ending_it(site: Sit
 def test_a_mat_file_of_too_many_rows_is_refused_before_it_is_begun(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mat, "ROWS_MAX", 39)
+    monkeypatch.setitem(FORMATS, "mat", replace(FORMATS["mat"], rows_max=39))
     answer = fetch(site, site.recorded(), "mat")
 
     assert answer.status_code == 409

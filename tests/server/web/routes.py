@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from seamark.formats.registry import FORMATS
 from seamark.server.web import own_wheel
 from tests.server.web.callers import (
     Allows,
@@ -305,8 +306,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
     ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
-    **_reading("/telemetry.parquet", "/telemetry.mcap", "/telemetry.npz", "/telemetry.mat"),
-    **_reading("/archive.zip"),
+    **_reading(*(f"/{kind.file}" for kind in FORMATS.values() if kind.converted)),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
     **_reading("/scene.json", "/texture.jpg", "/moments.json"),
     ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),
