@@ -1,14 +1,16 @@
-"""All settings of a service, read once from the environment."""
+"""All settings of a service, read once from the environment.
+
+Keys that the environment does not give are drawn once, and kept in the data folder.
+"""
 
 import os
 import re
+import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
-
-from seamark.server.key_files import KEY_FILES, KeyEmpty, drawn, kept
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
@@ -28,6 +30,12 @@ REMOVED = {  # setting of an earlier version -> what holds now
     "log_format": "the log is text on a terminal, otherwise JSON",
     "metrics": f"others than this machine read them with {PREFIX}METRICS_TOKEN",
     "streams_max": "a web process has at most 1,000 live streams",
+}
+KEY_FILES = {"secret_key": "secret", "seed_key": "seed_key"}  # of the settings -> their files
+_WITHOUT = {
+    "secret": "Delete it, and another one is drawn: everybody has to sign in again",
+    "seed_key": "It decides the water of ranked runs: write the key of this service into it, from "
+    "a backup or another machine. Delete it only where there have been no ranked runs",
 }
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
     "database_url": "SQLite in the data folder",
@@ -60,6 +68,10 @@ _MAIL_URL = re.compile(
     rf"smtps://{_MAIL_USER}{_MAIL_HOST}|smtp://{_MAIL_USER}{_MAIL_HOST}(\?tls=starttls)?"
     rf"|smtp://{_MAIL_HOST}\?tls=none"
 )
+
+
+class KeyEmpty(Exception):
+    """The file of a key is empty: what drew or wrote it has failed. The text says what to do."""
 
 
 class SettingsInvalid(Exception):
@@ -382,3 +394,28 @@ def _sentences(wrong: ValidationError) -> list[str]:
         f"{PREFIX}{'_'.join(str(part) for part in error['loc']).upper() or '*'}: {error['msg']}"
         for error in wrong.errors()
     ]
+
+
+def drawn() -> str:
+    """Return a new key."""
+    return secrets.token_urlsafe(48)
+
+
+def kept(path: Path, first: str = "") -> str:
+    """Return the key in a file, which gets `first` if it is not there. Race-free."""
+    if not path.exists():
+        draft = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+        with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(first)
+            file.flush()
+            os.fsync(file.fileno())  # else a power cut could leave an empty file
+        try:
+            os.link(draft, path)  # fails if another process was faster: then its key counts
+        except FileExistsError:
+            pass
+        finally:
+            draft.unlink()
+    key = path.read_text(encoding="utf-8").strip()
+    if not key:
+        raise KeyEmpty(f"{path} is empty. {_WITHOUT[path.name]}")
+    return key

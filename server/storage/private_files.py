@@ -10,8 +10,7 @@ from pathlib import Path
 
 from sqlalchemy import make_url
 
-from seamark.server.key_files import KEY_FILES
-from seamark.server.settings import Settings
+from seamark.server.settings import KEY_FILES, Settings
 
 OTHERS = 0o077  # bits of the group and of everybody else
 # Folders that others cannot enter hide what is in them. No box is given a path in the data folder.

@@ -23,10 +23,9 @@ from seamark.server.administration.backup.layout import Header, Summary
 from seamark.server.database import data_folder, schema
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
-from seamark.server.key_files import KEY_FILES, kept
 from seamark.server.messaging import workers
 from seamark.server.runs.data import retention
-from seamark.server.settings import Settings
+from seamark.server.settings import KEY_FILES, Settings, kept
 from seamark.server.storage import storage
 
 DATA = ("runs", "programs")  # folders of the data folder
