@@ -4,36 +4,23 @@ from __future__ import annotations
 
 from flask import Flask
 
-from seamark.server.api import (
-    account,
+from seamark.server.api import openapi
+from seamark.server.api.account import account, mail, profiles
+from seamark.server.api.administration import administration, rejudgements
+from seamark.server.api.classes import assignments, classes
+from seamark.server.api.data import datasets, demo, events, files, formats, scene, series
+from seamark.server.api.leaderboards import benchmarks, leaderboards
+from seamark.server.api.runs import (
     actions,
-    administration,
-    assignments,
-    benchmarks,
     checks,
-    classes,
     compare,
-    datasets,
-    demo,
-    environment,
-    events,
-    files,
-    formats,
-    health,
-    leaderboards,
-    mail,
-    metrics,
     mission_logs,
-    openapi,
-    profiles,
     publications,
-    rejudgements,
     rosbridge,
     runs,
-    scene,
-    series,
     sweeps,
 )
+from seamark.server.api.service import environment, health, metrics
 
 RESOURCES = (
     benchmarks.api,

@@ -10,17 +10,22 @@ from flask import Blueprint, Flask, Response, abort, current_app, jsonify, rende
 from flask_openapi3.blueprint import APIBlueprint
 from pydantic import BaseModel
 
-from seamark.server.api.class_schemas import (
+from seamark.server.api.account.mail import MailRequest
+from seamark.server.api.classes.class_schemas import (
     AssignmentChange,
     AssignmentRequest,
     ClassChange,
     ClassRequest,
     JoinRequest,
 )
-from seamark.server.api.mail import MailRequest
-from seamark.server.api.publication_schemas import PublicationRequest
-from seamark.server.api.schemas import InvitationsRequest, ProfileBody, RunRequest, TokenRequest
-from seamark.server.api.sweeps import SweepRequest
+from seamark.server.api.requests.schemas import (
+    InvitationsRequest,
+    ProfileBody,
+    RunRequest,
+    TokenRequest,
+)
+from seamark.server.api.runs.publication_schemas import PublicationRequest
+from seamark.server.api.runs.sweeps import SweepRequest
 from seamark.server.runs.record.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 

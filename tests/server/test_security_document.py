@@ -11,8 +11,8 @@ from seamark.mission_logs import mapping
 from seamark.mission_logs import process as log_process
 from seamark.programs import preparation
 from seamark.server.accounts import accounts
-from seamark.server.api import request_body
-from seamark.server.api.schemas import CONFIG_MAX
+from seamark.server.api.requests import request_body
+from seamark.server.api.requests.schemas import CONFIG_MAX
 from seamark.server.pages.docs import search_index
 from seamark.server.programs import reader_process, source_differences
 from seamark.server.runs.downloads import conversion_process

@@ -1,6 +1,7 @@
 """Addresses and headers are read in time that grows no faster than their length.
 
-Bodies are in tests/server/api/test_body_limits.py, uploads in tests/server/programs/test_reader.py.
+Bodies are in tests/server/api/requests/test_body_limits.py, uploads in
+tests/server/programs/test_reader.py.
 """
 
 import gzip

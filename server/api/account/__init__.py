@@ -1,0 +1,1 @@
+"""The account of a token: its data, mail addresses, profile and classes."""

@@ -1,0 +1,1 @@
+"""What all resources share: paths and queries, bodies, refusals, names of operations."""

@@ -1,0 +1,1 @@
+"""Runs: submission, lists, actions, checks, sweeps, comparison, publication."""
