@@ -9,19 +9,20 @@ from unicodedata import combining, east_asian_width
 BEST = "*"
 
 
-def tables(found: Mapping[str, Any]) -> str:
+def tables(comparison: Mapping[str, Any]) -> str:
     """Return the tables of a comparison as the API shows it; a run may have a `label`."""
-    labels = {run["id"]: run.get("label") or f"run {run['id']}" for run in found["runs"]}
+    labels = {run["id"]: run.get("label") or f"run {run['id']}" for run in comparison["runs"]}
     heads = ["", *labels.values()]
-    blocks = [_scores(found["scores"], labels)]
-    blocks += [found["note"]] if found["note"] else []
-    if found["settings"]:
+    blocks = [_scores(comparison["scores"], labels)]
+    blocks += [comparison["note"]] if comparison["note"] else []
+    if comparison["settings"]:
         rows = [
-            [_title(row), *(value or "-" for value in row["values"])] for row in found["settings"]
+            [_title(row), *(value or "-" for value in row["values"])]
+            for row in comparison["settings"]
         ]
         blocks.append(table("Settings that differ", heads, rows))
-    if found["metrics"]:
-        rows = [[_label(row), *_values(row)] for row in found["metrics"]]
+    if comparison["metrics"]:
+        rows = [[_label(row), *_values(row)] for row in comparison["metrics"]]
         blocks.append(table(f"Metrics ({BEST} best)", heads, rows))
     return "\n\n".join(blocks)
 

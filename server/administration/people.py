@@ -122,7 +122,7 @@ def set_quota_day(session: Session, actor: Actor, user: User, quota_day: int | N
 def disable(session: Session, actor: Actor, user: User) -> None:
     """Refuse an account everywhere: no sign-in, browsers and tokens are refused at once.
 
-    Its queued and running runs are cancelled: they would occupy places that others wait for. What
+    Its queued and running runs are cancelled: they would occupy slots that others wait for. What
     running ones have recorded is kept. Browsers and tokens work again when it is enabled.
 
     Raises

@@ -57,7 +57,7 @@ def adopt(connection: Connection, settings: Settings) -> None:
     if known is not None:
         _compare(known, settings)
     else:
-        mark = _found(settings)
+        mark = _stored_mark(settings)
         if not mark:
             mark = secrets.token_hex(16)
             _write(mark, settings)
@@ -139,7 +139,7 @@ def _refuse_unfinished(data: Path) -> None:
 
 
 def _compare(known: str, settings: Settings) -> None:
-    if _found(settings) == known:
+    if _stored_mark(settings) == known:
         return
     if settings.storage_url:
         raise WrongDataFolder(
@@ -154,7 +154,7 @@ def _compare(known: str, settings: Settings) -> None:
     )
 
 
-def _found(settings: Settings) -> str:
+def _stored_mark(settings: Settings) -> str:
     """Return the mark of the storage; empty without one."""
     stored = objects.of(settings)
     try:

@@ -1,8 +1,8 @@
 """Sessions of connected programs: how a web process and a worker find each other and talk.
 
-1. The web process that has the connection offers a session; a worker with a free place answers with
-   the name of that place.
-2. The web process inserts the run, which starts at this place, and sends its number.
+1. The web process that has the connection offers a session; a worker with a free slot answers with
+   the name of that slot.
+2. The web process inserts the run, which starts at this slot, and sends its number.
 3. Messages of the program go into one list of the broker and those for it into another, both of
    bounded length: whoever fills one waits until the other side has read.
 
@@ -43,7 +43,7 @@ class Keys:
 
     @property
     def down(self) -> str:
-        """Messages for the program, after the name of the place that it has."""
+        """Messages for the program, after the name of the slot that it has."""
         return f"seamark.bridge.{self.session}.down"
 
     @property
@@ -73,7 +73,7 @@ def message_of(item: bytes) -> str | None:
 
 
 def head(value: str | int) -> bytes:
-    """Return the item that precedes the messages: the name of a place, or the number of a run."""
+    """Return the item that precedes the messages: the name of a slot, or the number of a run."""
     return _HEAD + json.dumps(value).encode()
 
 
@@ -96,10 +96,10 @@ def take_offer(redis: "Redis", wait_s: float) -> str | None:
     return None
 
 
-def accept(redis: "Redis", session: str, place: str) -> None:
-    """Say that a place has taken the session. Raises RedisError."""
+def accept(redis: "Redis", session: str, slot: str) -> None:
+    """Say that a slot has taken the session. Raises RedisError."""
     redis.set(Keys(session).served, 1, ex=START_S)
-    push(redis, Keys(session).down, head(place))
+    push(redis, Keys(session).down, head(slot))
 
 
 def serve(redis: "Redis", session: str) -> None:

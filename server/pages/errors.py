@@ -120,7 +120,7 @@ def _show_unavailable(error: Exception) -> ResponseReturnValue:
 
 
 def _show_busy(busy: SlotsBusy) -> ResponseReturnValue:
-    """Say what is busy, and when there will be a place."""
+    """Say what is busy, and when there will be a slot."""
     slug = "rate-limited" if busy.own else "unavailable"
     problem = Problem(slug, str(busy), headers={"Retry-After": str(busy.retry_after_s)})
     if problems.prefers_json():

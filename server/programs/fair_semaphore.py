@@ -1,4 +1,4 @@
-"""Places that owners share: one each at a time, and in turns while others wait."""
+"""Slots that owners share: one each at a time, and in turns while others wait."""
 
 import math
 import threading
@@ -8,17 +8,17 @@ from contextlib import contextmanager
 
 ALL_WAITING_MAX = 12  # threads of all owners: whoever has many owners shall not take all threads
 RETRY_MAX_S = 60  # whoever is told more would rather not come again
-_FIRST_HELD_S = 1.0  # how long a place is held, before any was
-_NEWEST = 0.2  # weight of the newest place in the average
+_FIRST_HELD_S = 1.0  # how long a slot is held, before any was
+_NEWEST = 0.2  # weight of the newest slot in the average
 
 
 class SlotsBusy(Exception):
-    """There was no place in time, or too many wait already. The text is for the user.
+    """There was no slot in time, or too many wait already. The text is for the user.
 
     Attributes
     ----------
     retry_after_s : int
-        When there will be a place, by how long places were held lately [s].
+        When there will be a slot, by how long slots were held lately [s].
     own : bool
         Those that wait are the owner's own.
     """
@@ -29,18 +29,18 @@ class SlotsBusy(Exception):
 
 
 class FairSemaphore:
-    """A number of places; whoever waits longest among the owners without one gets the next.
+    """A number of slots; whoever waits longest among the owners without one gets the next.
 
     Parameters
     ----------
     count
-        Places.
+        Slots.
     wait_s
         How long `taken` waits for one.
     waiting_max
         How many threads of one owner may wait: each of them serves nobody else meanwhile.
     what
-        What has the places, in the plural, for the sentence that refuses one more.
+        What has the slots, in the plural, for the sentence that refuses one more.
     """
 
     def __init__(self, count: int, *, wait_s: float, waiting_max: int, what: str) -> None:
@@ -52,7 +52,7 @@ class FairSemaphore:
 
     @contextmanager
     def taken(self, owner: str) -> Iterator[None]:
-        """Hold a place; raises SlotsBusy without one."""
+        """Hold a slot; raises SlotsBusy without one."""
         with self._changed:
             own, everybody = self._waiting.get(owner, 0), sum(self._waiting.values())
             if own >= self._waiting_max:
@@ -78,17 +78,17 @@ class FairSemaphore:
     def _too_late(self, owner: str) -> SlotsBusy:
         """Return the refusal of one that has waited for as long as it may."""
         if owner in self._busy:
-            sentence = f"One of your {self._what} had your place for {self._wait_s:g} s."
+            sentence = f"One of your {self._what} had your slot for {self._wait_s:g} s."
             return self._refused(sentence, self._waiting.get(owner, 0), own=True)
-        sentence = f"Other {self._what} had all places for {self._wait_s:g} s."
+        sentence = f"Other {self._what} had all slots for {self._wait_s:g} s."
         return self._refused(sentence, sum(self._waiting.values()))
 
     def _refused(self, sentence: str, waiting: int, *, own: bool = False) -> SlotsBusy:
         """Return the refusal of one more behind those that wait."""
         owners = len({*self._waiting, *self._busy})
-        # An owner has one place at a time, and in turns with the others.
-        places = min(self._count / max(owners, 1), 1.0) if own else self._count
-        after_s = math.ceil((waiting + 1) * self._held_s / places)
+        # An owner has one slot at a time, and in turns with the others.
+        slots = min(self._count / max(owners, 1), 1.0) if own else self._count
+        after_s = math.ceil((waiting + 1) * self._held_s / slots)
         return SlotsBusy(sentence, retry_after_s=min(max(after_s, 1), RETRY_MAX_S), own=own)
 
     def _is_next(self, owner: str) -> bool:

@@ -18,8 +18,8 @@ from seamark.programs.preparation import PreparedProgram, UploadRejected, Upload
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.programs.fair_semaphore import FairSemaphore
 
-PLACES = 2  # uploads of one web process that are read at the same time; the others wait
-WAIT_S = 15.0  # for a place
+SLOTS = 2  # uploads of one web process that are read at the same time; the others wait
+WAIT_S = 15.0  # for a slot
 WAITING_MAX = 3  # uploads of one account: each has a thread of the web server
 WALL_S = 20.0  # the CPU time is limited in `reader_process`; this catches a machine that is busy
 _CHUNK = 64 * 1024
@@ -36,7 +36,7 @@ class ProgramReader:
     """Reads uploads in limited processes, of which one waits ready for the next upload."""
 
     def __init__(self, *, wait_s: float = WAIT_S, waiting_max: int = WAITING_MAX) -> None:
-        self.places = FairSemaphore(PLACES, wait_s=wait_s, waiting_max=waiting_max, what="uploads")
+        self.slots = FairSemaphore(SLOTS, wait_s=wait_s, waiting_max=waiting_max, what="uploads")
         self._lock = threading.Lock()
         self._spare: subprocess.Popen[bytes] | None = None
         self._closed = False
@@ -70,7 +70,7 @@ class ProgramReader:
         if language is not None and LANGUAGES[language].is_text:
             limit = min(limit, preparation.TEXT_MAX_BYTES)
         source = _read(stream, limit)
-        with self.places.taken(owner):
+        with self.slots.taken(owner):
             return self._prepare(source, name, role)
 
     def close(self) -> None:

@@ -197,7 +197,7 @@ class Objects:
         return True
 
 
-class _Place(NamedTuple):
+class _Location(NamedTuple):
     url: str
     endpoint: str
     region: str
@@ -210,7 +210,7 @@ def of(settings: Settings) -> Objects | None:
     if not settings.storage_url:
         return None
     return _opened(
-        _Place(
+        _Location(
             settings.storage_url.rstrip("/"),
             settings.storage_endpoint,
             settings.storage_region,
@@ -221,21 +221,21 @@ def of(settings: Settings) -> Objects | None:
 
 
 @cache
-def _opened(place: _Place) -> Objects:
-    if place.url.startswith("file://"):
-        return Objects(LocalStore(place.url.removeprefix("file://"), mkdir=True))
-    bucket, _, prefix = place.url.removeprefix("s3://").partition("/")
+def _opened(location: _Location) -> Objects:
+    if location.url.startswith("file://"):
+        return Objects(LocalStore(location.url.removeprefix("file://"), mkdir=True))
+    bucket, _, prefix = location.url.removeprefix("s3://").partition("/")
     # What is empty here comes from the machine: AWS_... variables or the role of an instance.
-    chosen: S3Config = {"region": place.region}
-    if place.endpoint:
-        chosen["endpoint"] = place.endpoint
-    if place.access_key:
-        chosen["access_key_id"] = place.access_key
-        chosen["secret_access_key"] = place.secret_key
+    chosen: S3Config = {"region": location.region}
+    if location.endpoint:
+        chosen["endpoint"] = location.endpoint
+    if location.access_key:
+        chosen["access_key_id"] = location.access_key
+        chosen["secret_access_key"] = location.secret_key
     client: ClientConfig = {
         "timeout": REQUEST,
         "connect_timeout": _CONNECT,
-        "allow_http": place.endpoint.startswith("http://"),
+        "allow_http": location.endpoint.startswith("http://"),
     }
 
     def opened(limits: "ClientConfig", retry: "RetryConfig") -> S3Store:

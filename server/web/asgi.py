@@ -166,14 +166,14 @@ class AsgiApplication:
             self._on_answer(environ, sent)
 
     async def _body(self, environ: Environ, receive: Receive, held: AsyncExitStack) -> ReceivedBody:
-        def place() -> Awaitable[object]:
+        def slot() -> Awaitable[object]:
             return held.enter_async_context(self._large_bodies)
 
         length = environ.pop("CONTENT_LENGTH", "")
         declared = int(length) if length.isdecimal() else None
         limit = self._body_max(environ.get("CONTENT_TYPE", ""))
         return await receive_body(
-            receive, place, declared=declared, limit=limit, patience_s=self.patience_s
+            receive, slot, declared=declared, limit=limit, patience_s=self.patience_s
         )
 
     async def _answer(self, call: _Call, scope: Scope, receive: Receive, send: Send) -> None:

@@ -21,7 +21,7 @@ from seamark.server.settings import Settings
 from seamark.server.storage import storage
 
 ANSWER_S = 1.5  # that the parts have together
-IDLE_S = 60.0  # that runs may wait beside free places: recovery sends missing tickets every 10 s
+IDLE_S = 60.0  # that runs may wait beside free slots: recovery sends missing tickets every 10 s
 OK, _UNKNOWN, _SILENT = "ok", "unknown", "does not answer"
 
 
@@ -64,9 +64,7 @@ class Readiness:
         except SQLAlchemyError as error:
             return {"database": type(error).__name__}
         self._outage.over()
-        neglect = (
-            "" if idle_s is None else f"places are free, but no run started for {idle_s:.0f} s"
-        )
+        neglect = "" if idle_s is None else f"slots are free, but no run started for {idle_s:.0f} s"
         return {
             "database": OK,
             "worker": OK if alive else "no worker is alive",

@@ -37,7 +37,7 @@ class ReceivedBody:
 
 async def receive_body(
     receive: Receive,
-    place: Callable[[], Awaitable[object]],
+    slot: Callable[[], Awaitable[object]],
     *,
     declared: int | None,
     limit: int,
@@ -47,7 +47,7 @@ async def receive_body(
 
     Parameters
     ----------
-    place
+    slot
         Waits until one more body may take space on the disk.
 
     Raises
@@ -66,7 +66,7 @@ async def receive_body(
             async with asyncio.timeout_at(started_at + allowed_s):
                 message = await receive()
                 if length <= IN_MEMORY_BYTES < length + len(message.get("body", b"")):
-                    await place()
+                    await slot()
             if message["type"] == "http.disconnect":
                 raise ClientGone
             chunk, more = message.get("body", b""), message.get("more_body", False)

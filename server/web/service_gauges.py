@@ -139,8 +139,8 @@ def _workers(session: Session) -> Iterable[Metric]:
         counts.add_metric([state], states[state])
     yield counts
     alive = [worker for worker in listed if worker.alive]
-    places = sum(worker.slots for worker in listed if worker.claims)
-    yield Gauge("seamark_places", "Runs that the living workers can run together", value=places)
+    slots = sum(worker.slots for worker in listed if worker.claims)
+    yield Gauge("seamark_places", "Runs that the living workers can run together", value=slots)
     yield from _each_worker(listed)
     yield _side_processes(alive)
 
@@ -152,14 +152,14 @@ def _each_worker(listed: Iterable[WorkerStatus]) -> Iterable[Metric]:
         "Time since the last heartbeat of each worker",
         labels=["worker"],
     )
-    places = Gauge(
+    slots = Gauge(
         "seamark_worker_places", "Runs that each worker can run together", labels=["worker"]
     )
     for worker in listed:
         info.add_metric([worker.name], {"version": worker.version, "level": worker.level})
         heartbeat.add_metric([worker.name], worker.silent_s)
-        places.add_metric([worker.name], worker.slots)
-    yield from (info, heartbeat, places)
+        slots.add_metric([worker.name], worker.slots)
+    yield from (info, heartbeat, slots)
 
 
 def _state(worker: WorkerStatus) -> str:

@@ -1,4 +1,4 @@
-"""Trials whose program is connected by rosbridge: on the server, where it holds a place meanwhile.
+"""Trials whose program is connected by rosbridge: on the server, where it has a slot meanwhile.
 
 The other end of the socket is a process of the worker, which passes on what the program's author
 sends. Here it is parsed, where there is no secret, no database and no broker.
@@ -24,7 +24,7 @@ from seamark.worker.evaluation.program_adapters import MakeBox
 from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome
 
-# A program that is far away and slow still takes part; one that hangs gives its place to others.
+# A program that is far away and slow still takes part; one that hangs gives its slot to others.
 ANSWER_S = 10.0
 FIRST_ANSWER_S = 60.0
 WHOLE_S = 900.0

@@ -100,22 +100,22 @@ class _Conversation:
         self._session = BridgeSession(current.settings, valid.submission.viewer.user_id or 0)
 
     async def begin(self) -> Mapping[str, str]:
-        """Have a place for the program, then insert its run there; raises Problem."""
+        """Have a slot for the program, then insert its run there; raises Problem."""
         try:
-            place = await self._session.offer()
-            self._run_id = await asyncio.to_thread(self._started, place)
+            slot = await self._session.offer()
+            self._run_id = await asyncio.to_thread(self._started, slot)
             await self._session.start(self._run_id, SetAxes(axes=self._axes).model_dump_json())
         except SessionRefused as refused:
             raise _later(refused.slug, str(refused)) from None
         return {"Location": f"/api/v1/runs/{self._run_id}"}
 
-    def _started(self, place: str) -> int:
+    def _started(self, slot: str) -> int:
         """Return the run, which nobody has seen in the queue."""
         settings = self._services.settings
         try:
             with refusals.as_problems(), self._services.database.writing() as database:
                 run_id = submission.submit(database, self._valid, settings)
-                queue.start(database, run_id, place, settings)
+                queue.start(database, run_id, slot, settings)
         except StorageUnavailable as error:
             raise _later("storage-unavailable", str(error)) from None
         except DATABASE_AWAY:

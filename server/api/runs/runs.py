@@ -30,7 +30,7 @@ from seamark.server.runs.recomputation import rejudged
 from seamark.server.runs.recomputation.rejudged import Recomputation
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import run_lists, views
-from seamark.server.runs.showing.run_lists import Place, RunFilter
+from seamark.server.runs.showing.run_lists import ListCursor, RunFilter
 from seamark.server.runs.showing.views import RunView
 from seamark.server.runs.submission import assigned, submission, submission_keys, validation
 from seamark.server.runs.submission.validation import UPLOAD, Submission
@@ -149,7 +149,7 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
             access.viewer(),
             run_filter,
             order=query.sort,
-            start=Place(query.after, query.skip),
+            start=ListCursor(query.after, query.skip),
             limit=query.limit,
         )
     found = [run_answer(view, whole=False) for view in page.runs]

@@ -17,7 +17,7 @@ from seamark.server.runs.showing.run_lists import (
     PROGRAMS,
     SEARCH_MAX,
     SEEN_MAX,
-    Place,
+    ListCursor,
     RunFilter,
     RunOrder,
     RunPage,
@@ -43,7 +43,7 @@ def mine() -> ResponseReturnValue:
     """Show the viewer's own runs; an admin may list those of all users."""
     access.require(Action.LIST)
     run_filter, order, app_services = _filter(g.viewer), _order(), services()
-    start = Place(request.args.get("after", type=row_id), request.args.get("skip", 0, int))
+    start = ListCursor(request.args.get("after", type=row_id), request.args.get("skip", 0, int))
     runs = _page(app_services, g.viewer, run_filter, order, start, SIZE)
     with app_services.database.reading() as session:
         used = quota.used_by(session, g.viewer, app_services.settings) if g.viewer.owner else None
@@ -128,7 +128,7 @@ def _page(
     viewer: Viewer,
     run_filter: RunFilter,
     order: RunOrder,
-    start: Place,
+    start: ListCursor,
     limit: int,
 ) -> RunPage:
     with app_services.database.reading() as session:
@@ -140,7 +140,7 @@ def _lines(
 ) -> Iterator[str]:
     """Yield the CSV page by page: no transaction stays open while a slow client reads."""
     yield csv_export.lines(COLUMNS, ())
-    start: Place | None = Place()
+    start: ListCursor | None = ListCursor()
     while start is not None:
         runs = _page(app_services, viewer, run_filter, order, start, LIMIT_MAX)
         yield csv_export.lines(COLUMNS, map(_row, runs.runs), header=False)

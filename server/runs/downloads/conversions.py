@@ -1,6 +1,6 @@
 """Runs in other formats, written by processes of their own while clients receive them.
 
-A web process gives each of them a place. So a download costs it a pipe and 64 KiB, however long the
+A web process gives each of them a slot. So a download costs it a pipe and 64 KiB, however long the
 run is; libraries and rows are in memory elsewhere, and pages keep the interpreter to themselves.
 """
 
@@ -19,8 +19,8 @@ from seamark.formats.registry import Format
 from seamark.server.programs.fair_semaphore import FairSemaphore
 from seamark.server.runs.data.files import RunFiles
 
-PLACES = 2  # runs that one web process has converted at once, in up to 250 MB each; others wait
-WAIT_S = 20.0  # for a place; most files take less
+SLOTS = 2  # runs that one web process has converted at once, in up to 250 MB each; others wait
+WAIT_S = 20.0  # for a slot; most files take less
 WAITING_MAX = 2  # downloads of one client: each has a thread of the web server
 _CHUNK = 64 * 1024
 COMMAND = (sys.executable, "-I", "-m", "seamark.server.runs.downloads.conversion_process")
@@ -50,21 +50,19 @@ class Job:
 
     def request(self, kind: Format, files: RunFiles) -> bytes:
         """Return the line that asks for a format; it says everything that the file depends on."""
-        place = {"data": str(files.data), "run": files.run_id, "attempt": files.attempt}
-        return json.dumps(asdict(self) | place | {"format": kind.name}).encode() + b"\n"
+        location = {"data": str(files.data), "run": files.run_id, "attempt": files.attempt}
+        return json.dumps(asdict(self) | location | {"format": kind.name}).encode() + b"\n"
 
 
 class Conversions:
-    """The places of one web process; `command` starts the process that writes a file."""
+    """The slots of one web process; `command` starts the process that writes a file."""
 
     def __init__(self, *, wait_s: float = WAIT_S, command: Sequence[str] = COMMAND) -> None:
-        self._places = FairSemaphore(
-            PLACES, wait_s=wait_s, waiting_max=WAITING_MAX, what="downloads"
-        )
+        self._slots = FairSemaphore(SLOTS, wait_s=wait_s, waiting_max=WAITING_MAX, what="downloads")
         self._command = command
 
     def start(self, request: bytes, *, owner: str) -> "Conversion":
-        """Return a conversion with a place; its process starts when the first piece is read.
+        """Return a conversion with a slot; its process starts when the first piece is read.
 
         Parameters
         ----------
@@ -76,21 +74,21 @@ class Conversions:
         Raises
         ------
         SlotsBusy
-            There was no place in time.
+            There was no slot in time.
         """
         held = ExitStack()
-        held.enter_context(self._places.taken(owner))
+        held.enter_context(self._slots.taken(owner))
         return Conversion(self._command, request, held)
 
 
 class Conversion:
-    """The pieces of one file; `close` gives the place back, whether it was read or not.
+    """The pieces of one file; `close` gives the slot back, whether it was read or not.
 
     The end of the process gives it back as well: a client may never take the last pieces.
     """
 
-    def __init__(self, command: Sequence[str], request: bytes, place: ExitStack) -> None:
-        self._command, self._request, self._place = command, request, place
+    def __init__(self, command: Sequence[str], request: bytes, slot: ExitStack) -> None:
+        self._command, self._request, self._slot = command, request, slot
         self._held = ExitStack()
         self._held.callback(self._give_back)
         self._giving_back = threading.Lock()
@@ -108,7 +106,7 @@ class Conversion:
                 raise ConversionFailed(f"exit status {process.returncode}: {text}")
 
     def close(self) -> None:
-        """End the process and give the place back."""
+        """End the process and give the slot back."""
         self._held.close()
 
     def _give_back_after(self, process: "subprocess.Popen[bytes]") -> None:
@@ -117,7 +115,7 @@ class Conversion:
 
     def _give_back(self) -> None:
         with self._giving_back:
-            self._place.close()
+            self._slot.close()
 
 
 def _start(command: Sequence[str], errors: BinaryIO) -> "subprocess.Popen[bytes]":

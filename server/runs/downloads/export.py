@@ -19,7 +19,7 @@ from seamark.server.database.tables import User
 from seamark.server.programs import store
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.showing import run_lists, views
-from seamark.server.runs.showing.run_lists import FIRST, Place, RunFilter
+from seamark.server.runs.showing.run_lists import FIRST, ListCursor, RunFilter
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 
@@ -88,7 +88,7 @@ def _mail(session: Session, user: User) -> dict[str, Any]:
 
 
 def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:
-    start: Place | None = FIRST
+    start: ListCursor | None = FIRST
     while start is not None:
         with database.reading() as session:
             page = run_lists.page(session, viewer, RunFilter(), start=start, limit=PAGE)

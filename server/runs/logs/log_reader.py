@@ -11,8 +11,8 @@ from seamark.mission_logs.result import LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
 from seamark.server.programs.fair_semaphore import FairSemaphore
 
-PLACES = 2  # logs that one web process has measured at the same time; the others wait
-WAIT_S = 20.0  # for a place
+SLOTS = 2  # logs that one web process has measured at the same time; the others wait
+WAIT_S = 20.0  # for a slot
 WAITING_MAX = 2  # uploads of one account: each has a thread of the web server
 _CHUNK = 1 << 20
 
@@ -22,10 +22,10 @@ class LogTooLarge(LogRefused):
 
 
 class LogReader:
-    """The places of one web process."""
+    """The slots of one web process."""
 
     def __init__(self) -> None:
-        self._places = FairSemaphore(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX, what="logs")
+        self._slots = FairSemaphore(SLOTS, wait_s=WAIT_S, waiting_max=WAITING_MAX, what="logs")
 
     def read(
         self,
@@ -60,14 +60,14 @@ class LogReader:
         LogRefused
             The log cannot be read or measured, or costs too much.
         SlotsBusy
-            There was no place in time.
+            There was no slot in time.
         """
         suffix = Path(filename[-100:].lower()).suffix
         if suffix not in SUFFIXES:
             raise LogRefused(unknown_file(filename[-100:]))
         path = folder / f"log{suffix}"
         _copy(stream, path, limit)
-        with self._places.taken(owner):
+        with self._slots.taken(owner):
             return measure_limited(path, mapping, benchmark=benchmark, folder=folder)
 
 

@@ -13,7 +13,7 @@ Job = tuple[str, float]  # owner, wall time [s] that the run is expected to take
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class Slots:
     """What runs now, with the wall times [s] that are left, and where."""
 
     count: int
@@ -21,19 +21,19 @@ class Places:
     limit: int  # of the running runs of one owner
 
 
-def start_s(places: Places, ahead: Sequence[Job], owner: str) -> float:
+def start_s(slots: Slots, ahead: Sequence[Job], owner: str) -> float:
     """Return when a run of `owner` starts, after the runs ahead of it.
 
     As in the queue, the owner with the fewest running runs goes first, and else this order holds;
-    runs of nobody in particular (`OTHERS`) have their place in the order.
+    runs of nobody in particular (`OTHERS`) have their position in the order.
     """
     now, waiting = 0.0, [*ahead, (owner, 0.0)]
-    live = [(left, name) for name, left in places.running]
+    live = [(left, name) for name, left in slots.running]
     heapq.heapify(live)
     busy = Counter(name for _, name in live)
     while True:
-        while len(live) < places.count:
-            at = _next(waiting, busy, places.limit)
+        while len(live) < slots.count:
+            at = _next(waiting, busy, slots.limit)
             if at is None:
                 break
             if at == len(waiting) - 1:
@@ -41,7 +41,7 @@ def start_s(places: Places, ahead: Sequence[Job], owner: str) -> float:
             name, wall_s = waiting.pop(at)
             busy[name] += 1
             heapq.heappush(live, (now + wall_s, name))
-        if not live:  # no place at all
+        if not live:  # no slot at all
             return now
         now, ended = heapq.heappop(live)
         busy[ended] -= 1
@@ -59,7 +59,7 @@ def _next(waiting: Sequence[Job], busy: Mapping[str, int], limit: int) -> int | 
     return min(allowed)[1] if allowed else None
 
 
-def start_of_many_s(places: Places, wall_s: float, owner: str, own_s: float) -> float:
+def start_of_many_s(slots: Slots, wall_s: float, owner: str, own_s: float) -> float:
     """Return when a run of `owner` starts, after so many runs that only their sum matters.
 
     Parameters
@@ -67,13 +67,13 @@ def start_of_many_s(places: Places, wall_s: float, owner: str, own_s: float) -> 
     wall_s, own_s
         What all runs ahead take one after the other, and those of the owner among them.
     """
-    every = [left for _, left in places.running]
-    own = [left for name, left in places.running if name == owner]
-    return max(_free_s(every, places.count, wall_s), _free_s(own, places.limit, own_s))
+    every = [left for _, left in slots.running]
+    own = [left for name, left in slots.running if name == owner]
+    return max(_free_s(every, slots.count, wall_s), _free_s(own, slots.limit, own_s))
 
 
 def _free_s(left: Sequence[float], count: int, wall_s: float) -> float:
-    """Return when a place is free, if each takes part in the work as soon as it is free itself."""
+    """Return when a slot is free, if each takes part in the work as soon as it is free itself."""
     free_at = sorted([*left, *[0.0] * (count - len(left))])
     level = free_at[0]
     for shared_by, next_at in enumerate(free_at[1:], start=1):

@@ -125,10 +125,10 @@ def try_claim(
         Raise TurnTaken rather than pass over an owner who is in turn.
     """
     bound = workers.bound(worker)
-    drained, code, places, stored, guests = session.connection().execute(_SITUATION, bound).one()
+    drained, code, slots, stored, guests = session.connection().execute(_SITUATION, bound).one()
     if drained or code not in (None, result_code()):
         return None
-    passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
+    passed_over, limit = int(stored or 0), _running_limit(slots or 0, settings)
     guests_first = passed_over >= order.GUEST_SHARE and try_acquire(
         session, AdvisoryLock.GUEST_TURN
     )
@@ -149,7 +149,7 @@ def try_claim(
 
 
 def start(session: Session, run_id: int, worker: str, settings: Settings) -> None:
-    """Start a run that a worker has a place for before anybody can see it in the queue."""
+    """Start a run that a worker has a slot for before anybody can see it in the queue."""
     _start(session, run_id, worker, settings)
 
 
@@ -214,9 +214,9 @@ def length(session: Session) -> int:
 
 
 def neglected(session: Session, settings: Settings) -> float | None:
-    """Return when the last run started, if runs wait that a worker with a free place could start.
+    """Return when the last run started, if runs wait that a worker with a free slot could start.
 
-    None if all is as it should be: nothing waits, all places are taken, their workers are drained
+    None if all is as it should be: nothing waits, all slots are taken, their workers are drained
     or prepare, or run no such programs, or all owners have as many running runs as they may.
     """
     busy = Counter(map(workers.worker_of, busy_processes(session)))
@@ -232,11 +232,11 @@ def neglected(session: Session, settings: Settings) -> float | None:
 def running_limit(session: Session, settings: Settings) -> int:
     """Return how many runs of one owner may run at the same time.
 
-    It leaves a place of the living workers to others: a run cannot be interrupted, so that whoever
-    came while one owner had all places would wait until the first of them ends.
+    It leaves a slot of the living workers to others: a run cannot be interrupted, so that whoever
+    came while one owner had all slots would wait until the first of them ends.
     """
     return _running_limit(workers.slot_count(session), settings)
 
 
-def _running_limit(places: int, settings: Settings) -> int:
-    return min(settings.running_max, max(places - 1, 1)) if places else settings.running_max
+def _running_limit(slots: int, settings: Settings) -> int:
+    return min(settings.running_max, max(slots - 1, 1)) if slots else settings.running_max

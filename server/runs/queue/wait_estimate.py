@@ -16,7 +16,7 @@ from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.messaging import workers
 from seamark.server.runs.queue import forecast, order, paces, queue
-from seamark.server.runs.queue.forecast import Job, Places
+from seamark.server.runs.queue.forecast import Job, Slots
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.solutions import IS_CONNECTED
 from seamark.server.runs.record.states import RunState
@@ -66,11 +66,11 @@ def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
         return Wait(None, expected_s, None)
     own = _own_ahead(session, run, mine)
     ahead = _ahead(session, mine, own)
-    places = workers.slot_count(session)
+    slots = workers.slot_count(session)
     estimate_s = None
-    if places and expected_s is not None:
+    if slots and expected_s is not None:
         estimate_s = _until_start_s(session, mine, ahead, own, settings) + expected_s
-    why = _why(session, run, settings, places=places, ahead=ahead.runs)
+    why = _why(session, run, settings, slots=slots, ahead=ahead.runs)
     return Wait(ahead.runs + 1, estimate_s, why)
 
 
@@ -118,10 +118,10 @@ def _until_start_s(
         for run in session.scalars(select(Run).where(IS_RUNNING, ~IS_CONNECTED))
     ]
     limit = queue.running_limit(session, settings)
-    places = Places(workers.slot_count(session), running, limit)
+    slots = Slots(workers.slot_count(session), running, limit)
     if ahead.runs > SINGLE_RUNS_MAX:
-        return forecast.start_of_many_s(places, ahead.wall_s, mine.owner, own.wall_s)
-    return forecast.start_s(places, _jobs(session, mine, ahead, own), mine.owner)
+        return forecast.start_of_many_s(slots, ahead.wall_s, mine.owner, own.wall_s)
+    return forecast.start_s(slots, _jobs(session, mine, ahead, own), mine.owner)
 
 
 def _jobs(session: Session, mine: Turn, ahead: _Work, own: _Work) -> list[Job]:
@@ -176,8 +176,8 @@ def _left_s(run: Run, now: float, settings: Settings, expected_s: float | None) 
     return max(total * (1.0 - progress) - (now - recorded_at), 0.0)
 
 
-def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: int) -> str:
-    if not places:
+def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: int) -> str:
+    if not slots:
         return "No worker is running. The run starts as soon as one is available."
     if obstacle := _obstacle(session, run, settings):
         return obstacle

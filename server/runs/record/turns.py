@@ -70,7 +70,7 @@ class Priority(IntEnum):
 def _counting() -> Update:
     owner = bindparam("this", type_=String)
     queued = (Run.owner == owner, IS_QUEUED)
-    # Connected programs have places of their own, which no other run could have.
+    # Connected programs have slots of their own, which no other run could have.
     running = (Run.owner == owner, IS_RUNNING, ~IS_CONNECTED)
     counted = {
         "queued": select(func.count()).select_from(Run).where(*queued),

@@ -87,14 +87,14 @@ class RunFilter:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ListCursor:
     """Where a page begins: after the run `after`, or within the window before it after `skip`."""
 
     after: int | None = None
     skip: int = 0
 
 
-FIRST = Place()
+FIRST = ListCursor()
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class RunPage:
     """A page of a list; `next` is where the following page begins, None at the end."""
 
     runs: list[RunView]
-    next: Place | None
+    next: ListCursor | None
 
 
 def page(
@@ -111,7 +111,7 @@ def page(
     run_filter: RunFilter,
     *,
     order: RunOrder = RunOrder.NEWEST,
-    start: Place = FIRST,
+    start: ListCursor = FIRST,
     limit: int = 50,
 ) -> RunPage:
     """Return runs: the viewer's own, the public ones, or (for an admin) all.
@@ -127,9 +127,9 @@ def page(
     seen = window.with_only_columns(*_NEEDED).subquery().c
     query = select(seen.id).where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
     ids = list(session.scalars(query.limit(limit + 1).offset(skip)))
-    following: Place | None = None
+    following: ListCursor | None = None
     if len(ids) > limit and order.by_id:
-        following = Place(ids[limit - 1])
+        following = ListCursor(ids[limit - 1])
     elif len(ids) > limit:
         following = _within(session, seen, start, skip + limit)
     elif not all_seen:
@@ -148,7 +148,7 @@ def _window(
     return runs.order_by(Run.id.desc())
 
 
-def _within(session: Session, seen: Columns, start: Place, skip: int) -> Place:
+def _within(session: Session, seen: Columns, start: ListCursor, skip: int) -> ListCursor:
     """Return a place in the same window, which begins at the newest run unless `start` says more.
 
     Then runs that are submitted meanwhile do not move the pages.
@@ -156,13 +156,13 @@ def _within(session: Session, seen: Columns, start: Place, skip: int) -> Place:
     after = start.after
     if after is None:
         after = session.scalars(select(func.max(seen.id))).one() + 1
-    return Place(after, skip)
+    return ListCursor(after, skip)
 
 
-def _window_after(session: Session, seen: Columns, order: RunOrder) -> Place | None:
+def _window_after(session: Session, seen: Columns, order: RunOrder) -> ListCursor | None:
     edge = func.max(seen.id) if order is RunOrder.OLDEST else func.min(seen.id)
     last = session.scalar(select(edge).having(func.count() == SEEN_MAX))
-    return None if last is None else Place(last)
+    return None if last is None else ListCursor(last)
 
 
 def _keys(run: Columns, order: RunOrder) -> tuple[ColumnElement[Any], ...]:

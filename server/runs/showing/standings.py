@@ -14,7 +14,7 @@ from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import leaderboard, rank_history, score_counts
 from seamark.server.runs.leaderboard.leaderboard import Rank
 from seamark.server.runs.showing import run_lists
-from seamark.server.runs.showing.run_lists import Place, RunFilter, RunPage
+from seamark.server.runs.showing.run_lists import ListCursor, RunFilter, RunPage
 from seamark.sim import registry
 
 
@@ -50,7 +50,7 @@ def published(
 ) -> RunPage:
     """Return public runs of a user, newest first."""
     run_filter = RunFilter(which="public", user=user.name)
-    return run_lists.page(session, Viewer(), run_filter, start=Place(after), limit=limit)
+    return run_lists.page(session, Viewer(), run_filter, start=ListCursor(after), limit=limit)
 
 
 def is_known(session: Session, user: User) -> bool:

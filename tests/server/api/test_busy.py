@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from seamark.client import Client
-from seamark.server.programs.reader import PLACES, ProgramReader
+from seamark.server.programs.reader import SLOTS, ProgramReader
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
 
@@ -38,10 +38,10 @@ def hasty(site: Site) -> Iterator[ProgramReader]:
 
 
 def _fill(reader: ProgramReader) -> ExitStack:
-    """Take all places, until what is returned is closed."""
+    """Take all slots, until what is returned is closed."""
     held = ExitStack()
-    for number in range(PLACES):
-        held.enter_context(reader.places.taken(f"other {number}"))
+    for number in range(SLOTS):
+        held.enter_context(reader.slots.taken(f"other {number}"))
     return held
 
 
@@ -57,7 +57,7 @@ def test_an_upload_without_a_place_is_told_what_is_busy_and_when_to_come_again(
 
     assert answer.status_code == 503
     after_s = int(answer.headers["Retry-After"])
-    sentence = "Other uploads had all places for 0.01 s."
+    sentence = "Other uploads had all slots for 0.01 s."
     assert answer.get_json()["detail"] == f"{sentence} Try again in {after_s} s."
     assert 1 <= after_s <= 60
 
@@ -69,7 +69,7 @@ def test_the_form_says_what_is_busy_too(site: Site, hasty: ProgramReader) -> Non
         answer = site.call("owner", "POST", "/submit/currents-v1", data=form, headers=headers)
 
     assert answer.status_code == 503
-    assert "Other uploads had all places" in answer.text
+    assert "Other uploads had all slots" in answer.text
     assert answer.headers["Retry-After"].isdecimal()
 
 

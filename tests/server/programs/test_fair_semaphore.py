@@ -1,4 +1,4 @@
-"""Places shared between owners: nobody keeps them from the others."""
+"""Slots shared between owners: nobody keeps them from the others."""
 
 import string
 import threading
@@ -14,10 +14,10 @@ LONG_S = 60.0  # until a thread has been scheduled on a busy machine
 
 
 class Uploads:
-    """Uploads in threads: each holds its place until it is told to end."""
+    """Uploads in threads: each holds its slot until it is told to end."""
 
-    def __init__(self, places: FairSemaphore) -> None:
-        self.places, self.started = places, list[str]()
+    def __init__(self, slots: FairSemaphore) -> None:
+        self.slots, self.started = slots, list[str]()
         self._ends: dict[str, threading.Event] = {}
         self._threads = ThreadPoolExecutor(16)
 
@@ -33,7 +33,7 @@ class Uploads:
         _eventually(lambda: self.started[-1][0] == owner)
 
     def _hold(self, name: str) -> None:
-        with self.places.taken(name[0]):
+        with self.slots.taken(name[0]):
             self.started.append(name)
             assert self._ends[name].wait(LONG_S)
 
@@ -45,27 +45,27 @@ def _eventually(condition: Callable[[], bool]) -> None:
         time.sleep(0.005)
 
 
-def _waits(places: FairSemaphore, owner: str, threads: int) -> Callable[[], bool]:
-    return lambda: places._waiting.get(owner, 0) == threads
+def _waits(slots: FairSemaphore, owner: str, threads: int) -> Callable[[], bool]:
+    return lambda: slots._waiting.get(owner, 0) == threads
 
 
 def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> None:
-    places = FairSemaphore(2, wait_s=LONG_S, waiting_max=3, what="uploads")
-    uploads = Uploads(places)
+    slots = FairSemaphore(2, wait_s=LONG_S, waiting_max=3, what="uploads")
+    uploads = Uploads(slots)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
     for name, threads in (("a2", 1), ("a3", 2)):
         uploads.begin(name)
-        _eventually(_waits(places, "a", threads))
+        _eventually(_waits(slots, "a", threads))
     uploads.begin("b1")
     _eventually(lambda: uploads.started == ["a1", "b1"])
     uploads.begin("c1")
-    _eventually(_waits(places, "c", 1))
+    _eventually(_waits(slots, "c", 1))
 
     uploads.end("b1")
     _eventually(lambda: uploads.started == ["a1", "b1", "c1"])
     uploads.begin("b2")
-    _eventually(_waits(places, "b", 1))
+    _eventually(_waits(slots, "b", 1))
     for at, following in ((0, "a"), (2, "b"), (3, "a")):
         uploads.end(uploads.started[at])
         uploads.await_start(following)
@@ -76,12 +76,12 @@ def test_an_owner_has_one_place_and_the_next_goes_to_whoever_waits_longest() -> 
 
 
 def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
-    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
-    uploads = Uploads(places)
+    slots = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
+    uploads = Uploads(slots)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
     waiting = uploads.begin("a2")
-    _eventually(_waits(places, "a", 1))
+    _eventually(_waits(slots, "a", 1))
 
     with pytest.raises(SlotsBusy, match="1 uploads of yours wait already") as busy:
         uploads.begin("a3").result(LONG_S)
@@ -93,14 +93,14 @@ def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
 
 
 def test_many_owners_leave_threads_for_the_pages() -> None:
-    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=2, what="uploads")
-    uploads = Uploads(places)
+    slots = FairSemaphore(1, wait_s=LONG_S, waiting_max=2, what="uploads")
+    uploads = Uploads(slots)
     uploads.begin("A1")
     _eventually(lambda: uploads.started == ["A1"])
     owners = string.ascii_lowercase[:ALL_WAITING_MAX]
     for owner in owners:
         uploads.begin(f"{owner}1")
-        _eventually(_waits(places, owner, 1))
+        _eventually(_waits(slots, owner, 1))
 
     with pytest.raises(SlotsBusy, match=f"{ALL_WAITING_MAX} uploads wait already") as busy:
         uploads.begin("z1").result(LONG_S)
@@ -111,26 +111,26 @@ def test_many_owners_leave_threads_for_the_pages() -> None:
 
 
 def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> None:
-    places = FairSemaphore(1, wait_s=0.01, waiting_max=3, what="uploads")
-    uploads = Uploads(places)
+    slots = FairSemaphore(1, wait_s=0.01, waiting_max=3, what="uploads")
+    uploads = Uploads(slots)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
 
     with pytest.raises(SlotsBusy):
         uploads.begin("b1").result(LONG_S)
 
-    assert _waits(places, "b", 0)()
+    assert _waits(slots, "b", 0)()
     uploads.end("a1")
 
 
 def test_an_owner_is_told_to_wait_for_the_turns_of_the_others_too() -> None:
-    places = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
-    uploads = Uploads(places)
+    slots = FairSemaphore(1, wait_s=LONG_S, waiting_max=1, what="uploads")
+    uploads = Uploads(slots)
     uploads.begin("a1")
     _eventually(lambda: uploads.started == ["a1"])
     for owner in "abc":
         uploads.begin(f"{owner}2")
-        _eventually(_waits(places, owner, 1))
+        _eventually(_waits(slots, owner, 1))
 
     with pytest.raises(SlotsBusy) as busy:
         uploads.begin("a3").result(LONG_S)

@@ -21,7 +21,7 @@ from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing import run_lists
-from seamark.server.runs.showing.run_lists import Place, RunFilter
+from seamark.server.runs.showing.run_lists import ListCursor, RunFilter
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -122,7 +122,7 @@ def _admin(site: Site) -> FlaskClient:
 
 def _all_failed(session: Session, viewer: Viewer) -> list[int]:
     """Return the failed runs by following a list with a filter that few runs pass."""
-    found, start = list[int](), Place()
+    found, start = list[int](), ListCursor()
     run_filter = RunFilter(which="all", states=(RunState.FAILED, RunState.CANCELLED))
     while True:
         page = run_lists.page(session, viewer, run_filter, start=start)

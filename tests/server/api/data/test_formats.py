@@ -15,7 +15,7 @@ from werkzeug.test import TestResponse
 
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.downloads.conversions import PLACES, ConversionFailed, Conversions
+from seamark.server.runs.downloads.conversions import SLOTS, ConversionFailed, Conversions
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
 
@@ -120,7 +120,7 @@ def test_one_client_has_one_file_written_at_a_time(site: Site) -> None:
     after = fetch(site, run_id, "npz")
 
     assert (refused.status_code, refused.headers["Retry-After"]) == (429, "1")
-    assert "One of your downloads had your place" in refused.get_json()["detail"]
+    assert "One of your downloads had your slot" in refused.get_json()["detail"]
     assert (of_another.status_code, after.status_code) == (200, 200)
 
 
@@ -140,13 +140,13 @@ def test_a_client_that_takes_nothing_keeps_no_place_once_the_process_has_ended()
     conversions = Conversions(wait_s=5.0, command=("head", "-c", "100000", "/dev/zero"))
     stalled = []
 
-    for number in range(2 * PLACES):
+    for number in range(2 * SLOTS):
         conversion = conversions.start(b"", owner=f"user:{number}")
         pieces = iter(conversion)
         assert next(pieces)  # and nothing more
         stalled.append((conversion, pieces))
 
-    assert [sum(map(len, pieces)) > 0 for _, pieces in stalled] == [True] * 2 * PLACES
+    assert [sum(map(len, pieces)) > 0 for _, pieces in stalled] == [True] * 2 * SLOTS
 
 
 def test_a_process_that_fails_breaks_the_download_instead_of_ending_it(site: Site) -> None:

@@ -16,7 +16,7 @@ SHORT = {"levels": [0.0], "level_duration_s": 10.0, "settle_s": 1.0}
 LONG = {"levels": [0.0], "level_duration_s": 100.0, "settle_s": 1.0}
 
 
-def _places(both: Backend, slots: int) -> None:
+def _slots(both: Backend, slots: int) -> None:
     worker = Worker(name="host", slots=slots, level="none", languages=[], findings=[])
     with both.database.writing() as session:
         workers.register(session, worker)
@@ -57,13 +57,13 @@ def _ends(both: Backend, slots: int) -> dict[int, float]:
 
 
 def test_nothing_is_estimated_before_anything_was_measured(both: Backend) -> None:
-    _places(both, 2)
+    _slots(both, 2)
 
     assert both.show(both.queue("ann")).estimate_s is None
 
 
 def test_an_estimate_follows_the_simulated_time_of_the_run(both: Backend) -> None:
-    _places(both, 2)
+    _slots(both, 2)
     early = both.queue("ben", config=LONG, trials=2)
     both.cancel(both.queue("ann"))
     early_claim = both.claim_next()
@@ -91,7 +91,7 @@ def test_every_estimate_in_a_known_queue_is_within_a_factor_of_two(
     both: Backend, slots: int
 ) -> None:
     _measured(both, pace=1.0)
-    _places(both, slots)
+    _slots(both, slots)
     for who, config in (("ann", SHORT), ("ben", LONG), ("eva", SHORT), ("guest", LONG)):
         for _ in range(3):
             both.queue(who, config=config)
@@ -112,7 +112,7 @@ def test_every_estimate_in_a_known_queue_is_within_a_factor_of_two(
 def test_the_estimate_of_a_running_run_falls_between_heartbeats_and_does_not_jump_at_them(
     both: Backend,
 ) -> None:
-    _places(both, 2)
+    _slots(both, 2)
     _measured(both, pace=1.0)
     claim = both.running("ann", config=LONG)
     seen = []
@@ -134,7 +134,7 @@ def test_the_estimate_of_a_running_run_falls_between_heartbeats_and_does_not_jum
 
 
 def test_workers_of_before_an_upgrade_shorten_no_wait(both: Backend) -> None:
-    _places(both, 1)
+    _slots(both, 1)
     _measured(both, 1.0)
     for name in ("ben", "eva"):
         both.queue(name, config=LONG)

@@ -100,7 +100,7 @@ def test_no_user_has_more_running_runs_than_the_limit(both: Backend) -> None:
     assert sum(claim is not None for claim in claims) == both.settings.running_max
 
 
-def _places(both: Backend, *workers_slots: int) -> None:
+def _slots(both: Backend, *workers_slots: int) -> None:
     with both.database.writing() as session:
         for number, slots in enumerate(workers_slots):
             values: dict[str, list[Any]] = {"languages": [], "findings": []}
@@ -113,7 +113,7 @@ def _places(both: Backend, *workers_slots: int) -> None:
 def test_one_user_never_has_all_places_of_the_living_workers(
     both: Backend, slots: tuple[int, ...], running: int
 ) -> None:
-    _places(both, *slots)
+    _slots(both, *slots)
     anns = [both.queue("ann") for _ in range(5)]
 
     claims = [both.claim() for _ in range(sum(slots))]

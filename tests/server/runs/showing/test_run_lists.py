@@ -6,7 +6,7 @@ import pytest
 
 from seamark.server.runs.ending import deletion
 from seamark.server.runs.showing import run_lists
-from seamark.server.runs.showing.run_lists import FIRST, Place, RunFilter, RunOrder
+from seamark.server.runs.showing.run_lists import FIRST, ListCursor, RunFilter, RunOrder
 from tests.cast import Backend
 
 ORDERS = tuple(RunOrder)
@@ -15,7 +15,7 @@ ORDERS = tuple(RunOrder)
 def _pages(backend: Backend, run_filter: RunFilter, order: RunOrder, limit: int) -> list[int]:
     """Return the numbers of all runs of a list, following its pages."""
     found: list[int] = []
-    start: Place | None = FIRST
+    start: ListCursor | None = FIRST
     while start is not None:
         with backend.database.reading() as session:
             page = run_lists.page(
