@@ -62,6 +62,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+NEEDS = {  # fixture -> mark of the tests that use it
+    "chromium": pytest.mark.browser,
+    "isolation": pytest.mark.host,
+    "_postgres": pytest.mark.host,  # root starts it in a user namespace
+    "simulator": pytest.mark.slow,
+    "running": pytest.mark.slow,
+}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark tests by what their fixtures need, so that `./run test --quick` leaves them out."""
+    for item in items:
+        for fixture in NEEDS.keys() & set(getattr(item, "fixturenames", ())):
+            item.add_marker(NEEDS[fixture])
+
+
 @pytest.fixture(scope="session")
 def isolation() -> IsolationLevel:
     """The isolation level of boxes on this machine; without boxes the test is skipped."""

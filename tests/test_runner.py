@@ -1,8 +1,10 @@
 """`./run` beside something else that uses the package manager of the machine."""
 
 import os
+import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -51,3 +53,31 @@ def test_an_installation_waits_for_another_process_that_has_the_lists_locked(
     assert [call for call in done if call.startswith("update")] == ["update -qq"] * 3
     assert any("install -y" in call and "bubblewrap" in call for call in done)
     assert ended.stderr.count("waiting for it") == 1
+
+
+def test_the_quick_tests_are_those_without_browser_boxes_and_postgresql() -> None:
+    """Collect some files that have tests of both kinds."""
+    quick = re.search(r'-m "(.+)" "\$@"', (ROOT / "run").read_text("utf-8"))
+    assert quick is not None
+    files = (
+        "journey/test_event_loops.py",
+        "server/database/test_advisory_locks.py",
+        "server/runs/record/test_totals.py",
+    )
+
+    collected = subprocess.run(
+        [sys.executable, "-m", "pytest", "--collect-only", "-q", "-m", quick[1], *files],
+        cwd=ROOT / "tests",
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+
+    names = [line.partition("::")[2] for line in collected.stdout.splitlines()]
+    assert [name for name in names if name] == [
+        "test_another_test_of_the_process_can_run_an_event_loop",
+        "test_no_two_critical_sections_share_a_lock",
+        "test_every_run_is_counted_once_before_and_after_maintenance[sqlite]",
+        "test_the_oldest_queued_run_is_found[sqlite]",
+    ]

@@ -10,7 +10,7 @@ from tests.cast import Backend
 from tests.services import tables
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.host)])
 def both(request: pytest.FixtureRequest, settings: Settings) -> Iterator[Backend]:
     """The cast on a database of each type in turn."""
     if request.param == "postgresql":

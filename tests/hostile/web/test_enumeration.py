@@ -24,6 +24,7 @@ def _cpu_s(site: Site, name: str, password: str) -> float:
     return min(times)
 
 
+@pytest.mark.slow
 def test_a_sign_in_is_as_much_work_for_every_name_and_password(site: Site) -> None:
     with site.database.writing() as session:
         accounts.sign_up(session, "cleo", WORDS)

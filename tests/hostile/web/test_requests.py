@@ -32,6 +32,7 @@ def _filled_in(rule: Any) -> str:
 # -- cross-site request forgery ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_unsafe_route_accepts_a_cookie_without_the_csrf_token(site: Site) -> None:
     accepted, tried = [], 0
     for rule in site.app.url_map.iter_rules():
@@ -147,6 +148,7 @@ TARGETS = (
 )
 
 
+@pytest.mark.slow
 def test_nobody_is_sent_to_another_site_after_signing_in(site: Site) -> None:
     site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
     for target in TARGETS:
@@ -196,6 +198,7 @@ def test_a_forged_header_changes_neither_page_nor_redirect(site: Site) -> None:
         assert not re.search(rf'(href|src|action)="[^"]*{EVIL}', forged.text)
 
 
+@pytest.mark.slow
 def test_a_client_cannot_forge_the_address_that_rate_limits_count(site: Site) -> None:
     statuses = [
         site.browser()

@@ -78,6 +78,7 @@ def _pages(site: Site, run_id: int) -> Iterator[tuple[str, str]]:
         yield path, site.browser("root").get(path).text
 
 
+@pytest.mark.slow
 def test_no_stored_text_becomes_markup(site: Site) -> None:
     found = []
     for text in SCRIPTS:

@@ -9,6 +9,7 @@ from seamark.sim.benchmarks.currents_v2.settings import ALTERNATING, CurrentsCon
 from seamark.sim.vehicles import load
 
 
+@pytest.mark.slow
 def test_from_abeam_the_one_sway_thruster_of_a_girona_balances_the_drag() -> None:
     vehicle = load("girona500")
     linear, quadratic = vehicle.linear_drag()[1], vehicle.quadratic_drag()[1]

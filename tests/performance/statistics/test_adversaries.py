@@ -52,6 +52,7 @@ def test_built_in_solutions_stand_beside_the_adversaries() -> None:
     assert isinstance(found["built-in: PI"](entry.read({})), BuiltIn)
 
 
+@pytest.mark.slow
 def test_a_saturated_program_scores_less_than_one_that_does_nothing() -> None:
     entry = benchmark("currents-v1")
     found = adversaries.solutions(entry)

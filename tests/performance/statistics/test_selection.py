@@ -32,6 +32,7 @@ def test_the_gain_is_the_mean_of_the_largest_of_n_normal_values(
     assert found == pytest.approx(expected * population.error, abs=0.12)
 
 
+@pytest.mark.slow
 def test_one_submission_passes_as_better_in_a_fortieth_of_the_cases(
     population: Population,
 ) -> None:

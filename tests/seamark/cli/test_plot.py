@@ -47,6 +47,7 @@ def test_the_document_has_the_numbers_of_the_telemetry(results: Path) -> None:
     assert levels["lines"][0]["y"] == [level["rmse_m"] for level in metrics["levels"]]
 
 
+@pytest.mark.slow
 def test_a_picture_is_written_without_a_window(results: Path, tmp_path: Path) -> None:
     answer = seamark(
         "plot", str(results / "pi"), str(results / "p"), "--out", str(tmp_path / "x.png")

@@ -112,6 +112,7 @@ def test_a_refused_restore_leaves_nothing_behind(
     assert _tree(place.parent) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.05, 0.5, 0.95, 1.05, 1.3, 1.6, 1.9])
 def test_a_restore_that_is_interrupted_leaves_nothing_or_what_does_not_start(
     archive: Path, tmp_path: Path, share: float

@@ -13,6 +13,8 @@ from seamark.cli.main import cli
 from seamark.formats.registry import FORMATS
 from tests import telemetry_csv
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = ("--set", "levels=0,0.3", "--set", "settle_s=1")
 
 

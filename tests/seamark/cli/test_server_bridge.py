@@ -41,6 +41,7 @@ def busy_server() -> Iterator[str]:
         listening.shutdown()
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_wait_for_a_place(busy_server: str) -> None:
     command = ["bridge", "rosbridge", "currents-v1", "--port", "0", "--server", busy_server]
     bridge = subprocess.Popen(

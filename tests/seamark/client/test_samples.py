@@ -12,6 +12,7 @@ GUIDE = Path(__file__).parents[3] / "docs" / "python-client.md"
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("worker")
 def test_the_code_of_the_guide_runs(
     address: str,

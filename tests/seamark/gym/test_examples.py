@@ -14,6 +14,7 @@ from seamark.gym.spaces import named
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
+@pytest.mark.slow
 def test_a_short_training_writes_a_controller_that_acts_like_its_policy(tmp_path: Path) -> None:
     out = tmp_path / "trained.py"
     options = ["--seconds", "0", "--candidates", "4", "--level-s", "2", "--out", str(out)]

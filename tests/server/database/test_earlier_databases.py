@@ -53,7 +53,7 @@ def postgresql_url(sqlite_url: str, postgres_url: str) -> str:
     return postgres_url
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.host)])
 def settings_of_each(
     request: pytest.FixtureRequest, settings: Settings, tmp_path: Path
 ) -> tuple[Settings, Settings]:

@@ -37,7 +37,10 @@ START_S = 120.0  # until a process has imported the service on a busy machine
 Rows = dict[str, list[dict[str, Any]]]
 
 
-@pytest.fixture(params=["database_url", "postgres_url"], ids=["sqlite", "postgresql"])
+@pytest.fixture(
+    params=["database_url", pytest.param("postgres_url", marks=pytest.mark.host)],
+    ids=["sqlite", "postgresql"],
+)
 def empty(request: pytest.FixtureRequest, settings: Settings) -> Settings:
     """Settings of a database of each type in turn, without tables."""
     url = request.getfixturevalue(request.param)

@@ -94,6 +94,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("attack", HOSTILE)
 def test_no_upload_occupies_the_process_that_received_it(
     reader: ProgramReader, attack: str
@@ -119,6 +120,7 @@ def test_no_upload_occupies_the_process_that_received_it(
     assert time.process_time() - begin < 1.0
 
 
+@pytest.mark.slow
 def test_an_upload_that_takes_too_long_is_refused_and_the_next_one_read(
     reader: ProgramReader,
 ) -> None:
@@ -128,6 +130,7 @@ def test_an_upload_that_takes_too_long_is_refused_and_the_next_one_read(
     assert _read(reader, GOOD).content == GOOD
 
 
+@pytest.mark.slow
 def test_uploads_of_several_threads_get_their_own_answers(reader: ProgramReader) -> None:
     sources = {f"user{number}": GOOD + b"# %d\n" % number for number in range(12)}
 

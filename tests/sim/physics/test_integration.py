@@ -118,6 +118,7 @@ print(digest.hexdigest())
 """
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bytes() -> None:
     digests = []
     for hash_seed in ("1", "2"):

@@ -36,7 +36,7 @@ def nothing(_more: int) -> None:
     """Be told that more bytes have been copied."""
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.host)])
 def elsewhere(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Settings]:
     """Another data folder and another database, both empty."""
     data = tmp_path / "elsewhere"

@@ -94,6 +94,7 @@ def test_a_score_that_is_always_the_same_agrees_with_itself(both: Backend) -> No
     assert verified(both, run_id, (0.5,) * 6).outcome is Outcome.AGREES
 
 
+@pytest.mark.slow
 def test_of_scores_that_hold_about_one_in_a_hundred_is_called_different() -> None:
     draw = np.random.default_rng(1)
     differ, count = 0, 2000
