@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from seamark.server.api.requests.query import Query
 from seamark.server.api.requests.schemas import ResponseModel
 from seamark.server.api.runs.publication_schemas import VerificationResponse
+from seamark.server.runs.leaderboard.leaderboard import COLUMNS
 from seamark.server.runs.leaderboard.leaderboard_filters import SORTED_MAX
 
 
@@ -38,36 +39,31 @@ class RankQuery(Query):
     )
 
 
-class RankResponse(ResponseModel):
-    """A row of the leaderboard."""
+ANSWERED = [column for column in COLUMNS if column.answered]
+_METRICS = "metrics"  # an object in JSON, a column for each in the CSV
+_FIELDS: dict[str, Any] = {
+    one.answered: (one.type, Field(description=one.meaning)) for one in ANSWERED
+}
+_VERIFICATION = Field(description="the newest one; in the CSV its outcome alone")
+if TYPE_CHECKING:
+    RankResponse = ResponseModel
+else:
+    RankResponse = create_model(
+        "RankResponse",
+        __base__=ResponseModel,
+        __doc__="A row of the leaderboard.",
+        **_FIELDS,
+        verification=(VerificationResponse | None, _VERIFICATION),
+    )
 
-    rank: int | None = Field(
-        description="null for reference entries, which are marks without a rank"
-    )
-    rank_low: int | None = Field(description="best rank that is compatible with all scores (95 %)")
-    rank_high: int | None = Field(description="worst rank that is compatible with all scores")
-    user: str
-    method: str = Field(description="what the entry is called")
-    controller: str = Field(description="name of the program's file, or of the built-in solution")
-    run: int
-    score: float
-    score_low: float
-    score_high: float
-    level_held: float | None
-    submissions: int = Field(description="ranked runs of this user in this benchmark that ended")
-    reached_at: float
-    is_baseline: bool
-    title: str = Field(description="of the run")
-    notes: str = Field(description="of the run: how its author describes the method")
-    affiliation: str = Field(description="of the user")
-    language: str = Field(description="of the uploaded program; empty for a built-in solution")
-    vehicle: str
-    tracker: str = Field(description="built-in tracker; empty if the program is the tracker")
-    metrics: dict[str, float] = Field(description="by name, such as the benchmark lists them")
-    anonymous: bool = Field(description="published for review: `user` is no name")
-    verification: VerificationResponse | None = Field(
-        description="the newest one; in the CSV its outcome alone"
-    )
+
+def csv_columns() -> list[str]:
+    """Return the columns of the CSV before those of the metrics."""
+    names = [one.answered for one in ANSWERED if not one.after and one.answered != _METRICS]
+    for one in ANSWERED:
+        if one.after:
+            names.insert(names.index(one.after) + 1, one.answered)
+    return [*names, "verification"]
 
 
 class ReferenceEntryResponse(ResponseModel):

@@ -12,7 +12,12 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.leaderboards.benchmarks import check
-from seamark.server.api.leaderboards.leaderboard_schemas import RankQuery, RanksResponse
+from seamark.server.api.leaderboards.leaderboard_schemas import (
+    ANSWERED,
+    RankQuery,
+    RanksResponse,
+    csv_columns,
+)
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
@@ -21,7 +26,6 @@ from seamark.server.runs.leaderboard.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard.leaderboard_filters import BoardFilter, BoardPage
 from seamark.server.runs.recomputation import verifications
 from seamark.server.runs.recomputation.verifications import VerificationView
-from seamark.server.runs.record.solutions import entry_name
 from seamark.server.web import access, csv_export
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -29,12 +33,6 @@ from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric
 
 Verified = Mapping[int, VerificationView]
-COLUMNS = (
-    *("rank", "rank_low", "rank_high", "user", "affiliation", "method", "controller", "run"),
-    *("score", "score_low", "score_high", "level_held", "submissions", "reached_at"),
-    *("is_baseline", "title", "language", "vehicle", "tracker", "notes"),
-    *("anonymous", "verification"),
-)
 PAGE = 50  # rows of a page by default
 CSV_PAGE = 500  # rows that are read at a time
 
@@ -92,7 +90,7 @@ class _Board:
     def lines(self, after: Cursor | None, limit: int | None) -> Iterator[str]:
         """Yield the CSV page by page: no transaction stays open while a slow client reads."""
         metrics = [metric.name for metric in registry.benchmark(self._name).board_metrics]
-        columns = (*COLUMNS, *metrics)
+        columns = (*csv_columns(), *metrics)
         yield csv_export.lines(columns, ())
         while True:
             page = self.page(after, limit or CSV_PAGE)
@@ -146,31 +144,8 @@ def _cursor(query: RankQuery) -> Cursor | None:
 
 def _row(rank: Rank, verified: Verified) -> dict[str, Any]:
     verification = verified.get(rank.run_id)
-    return {
-        "rank": rank.rank,
-        "rank_low": rank.rank_low,
-        "rank_high": rank.rank_high,
-        "user": rank.user,
-        "affiliation": rank.affiliation,
-        "method": entry_name(rank),
-        "controller": rank.program_name or rank.controller,
-        "run": rank.run_id,
-        "score": rank.score,
-        "score_low": rank.low,
-        "score_high": rank.high,
-        "level_held": rank.level_held,
-        "submissions": rank.submissions,
-        "reached_at": rank.reached_at,
-        "is_baseline": rank.is_baseline,
-        "title": rank.title,
-        "language": rank.language,
-        "vehicle": rank.vehicle,
-        "tracker": rank.tracker,
-        "notes": rank.notes,
-        "metrics": dict(rank.metrics),
-        "anonymous": rank.anonymous,
-        "verification": None if verification is None else asdict(verification),
-    }
+    told = {column.answered: column.value(rank) for column in ANSWERED}
+    return told | {"verification": None if verification is None else asdict(verification)}
 
 
 def _reference_entries(name: str) -> list[dict[str, Any]]:

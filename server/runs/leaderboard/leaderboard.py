@@ -4,10 +4,10 @@ A user has one row per benchmark: the best published ranked run.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from itertools import islice
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, get_type_hints
 
 from sqlalchemy import (
     ColumnElement,
@@ -23,7 +23,7 @@ from sqlalchemy.orm import Session
 from seamark.server.database.tables import IS_BASELINE, Best, Run, User
 from seamark.server.runs.leaderboard import score_counts
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
-from seamark.server.runs.record import anonymity
+from seamark.server.runs.record import anonymity, solutions
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 
@@ -50,55 +50,113 @@ class Cursor:
 
 
 _ORDER = (Best.score.desc(), Best.reached_at, Best.run_id)
-# What a `Rank` has of its rows, by its names. Columns alone: objects of the ORM take longer.
-_COLUMNS = (
-    *(Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.level_held, Best.submissions),
-    *(Best.reached_at, Best.language, Best.vehicle, Best.tracker, Best.metrics),
-    *(Best.score_low.label("low"), Best.score_high.label("high")),
-    *(Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes),
-    *(Run.method, Run.anonymous),
-    *(User.name.label("user"), User.affiliation),
-)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """What the database and the API have of a field of a `Rank`, and of it alone."""
+
+    name: str  # of the field
+    type: Any
+    selected: Any = None  # None: it is computed
+    answered: str = ""  # its name at the API and in the CSV; empty: it is not there
+    meaning: str | None = None  # in the documentation of the API
+    answer: "Callable[[Rank], Any] | None" = None  # what the API says; None: the field itself
+    after: str = ""  # the column of the CSV before it; empty: the one before it here
+
+    def value(self, rank: "Rank") -> Any:
+        """Return what the API answers of a row."""
+        return getattr(rank, self.name) if self.answer is None else self.answer(rank)
+
+
+def _of(selected: Any = None, **more: Any) -> dict[str, Any]:
+    """Return the metadata of a field: keywords of a `Column`, with its own name at the API."""
+    return {"column": {"selected": selected, **more}}
+
+
+def _program(rank: "Rank") -> str:
+    return rank.program_name or rank.controller
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rank:
-    """One row of the leaderboard.
+    """One row of the leaderboard. A column is declared here alone: for queries, API and CSV.
 
     A baseline has no rank: it is a mark on the scale, and moves nobody down.
     """
 
-    rank: int | None  # by the score; equal scores in order of time
-    rank_low: int | None  # the best and the worst rank that are compatible with all scores,
-    rank_high: int | None  # see server/runs/leaderboard/ranking.py
-    user_id: int
-    user: str
-    anonymous: bool  # then `user` is no name
-    is_baseline: bool
-    run_id: int
-    benchmark: str
-    config: dict[str, Any]
-    controller: str
-    program_name: str | None
-    title: str
-    method: str
-    notes: str  # of the run: how its author describes the method
-    affiliation: str  # of the user
-    language: str  # empty: a built-in solution
-    vehicle: str
-    tracker: str
-    metrics: Mapping[str, float]  # `Benchmark.board_metrics`
-    score: float
-    low: float
-    high: float
-    level_held: float | None
-    submissions: int  # ranked, of this user in this benchmark
-    reached_at: float
+    rank: int | None = field(  # by the score; equal scores in order of time
+        metadata=_of(meaning="null for reference entries, which are marks without a rank")
+    )
+    rank_low: int | None = field(  # see `ranking`
+        metadata=_of(meaning="best rank that is compatible with all scores (95 %)")
+    )
+    rank_high: int | None = field(
+        metadata=_of(meaning="worst rank that is compatible with all scores")
+    )
+    user: str = field(metadata=_of(User.name))  # no name if `anonymous`
+    method: str = field(
+        metadata=_of(Run.method, meaning="what the entry is called", answer=solutions.entry_name)
+    )
+    controller: str = field(
+        metadata=_of(
+            Run.controller,
+            meaning="name of the program's file, or of the built-in solution",
+            answer=_program,
+        )
+    )
+    run_id: int = field(metadata=_of(Best.run_id, answered="run"))
+    score: float = field(metadata=_of(Best.score))
+    low: float = field(metadata=_of(Best.score_low, answered="score_low"))
+    high: float = field(metadata=_of(Best.score_high, answered="score_high"))
+    level_held: float | None = field(metadata=_of(Best.level_held))
+    submissions: int = field(
+        metadata=_of(
+            Best.submissions, meaning="ranked runs of this user in this benchmark that ended"
+        )
+    )
+    reached_at: float = field(metadata=_of(Best.reached_at))
+    is_baseline: bool = field(metadata=_of(Best.is_baseline))
+    title: str = field(metadata=_of(Run.title, meaning="of the run"))
+    notes: str = field(
+        metadata=_of(
+            Run.notes, meaning="of the run: how its author describes the method", after="tracker"
+        )
+    )
+    affiliation: str = field(metadata=_of(User.affiliation, meaning="of the user", after="user"))
+    language: str = field(
+        metadata=_of(
+            Best.language, meaning="of the uploaded program; empty for a built-in solution"
+        )
+    )
+    vehicle: str = field(metadata=_of(Best.vehicle))
+    tracker: str = field(
+        metadata=_of(Best.tracker, meaning="built-in tracker; empty if the program is the tracker")
+    )
+    metrics: Mapping[str, float] = field(  # `Benchmark.board_metrics`
+        metadata=_of(Best.metrics, meaning="by name, such as the benchmark lists them")
+    )
+    anonymous: bool = field(
+        metadata=_of(Run.anonymous, meaning="published for review: `user` is no name")
+    )
+    user_id: int = field(metadata=_of(Best.user_id, answered=""))
+    benchmark: str = field(metadata=_of(Run.benchmark, answered=""))
+    config: dict[str, Any] = field(metadata=_of(Run.config, answered=""))
+    program_name: str | None = field(metadata=_of(Run.program_name, answered=""))
 
     @property
     def cursor(self) -> Cursor:
         """Where to go on after this row."""
         return Cursor(self.score, self.reached_at, self.run_id)
+
+
+_TYPES = get_type_hints(Rank)
+COLUMNS = [
+    Column(name=one.name, type=_TYPES[one.name], **{"answered": one.name} | one.metadata["column"])
+    for one in fields(Rank)
+]
+# Columns alone: objects of the ORM take longer.
+_SELECTED = [one.selected.label(one.name) for one in COLUMNS if one.selected is not None]
 
 
 def page(
@@ -237,7 +295,7 @@ def rank_of(
 
 def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:
     return (
-        select(*_COLUMNS, Best.standard_error, Best.degrees)
+        select(*_SELECTED, Best.standard_error, Best.degrees)
         .join(Run, Run.id == Best.run_id)
         .join(User, User.id == Best.user_id)
         .where(Best.benchmark == benchmark)
