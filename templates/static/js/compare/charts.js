@@ -1,4 +1,10 @@
 // Charts with one line per run over simulated time, for the columns that are chosen.
+/**
+ * @import { CompareData, ComparedChart, ComparedSeries } from "../server_data.d.ts"
+ * @import { Playhead } from "../player/playhead.js"
+ * @import uPlot from "uplot"
+ */
+import { need } from "../dom.js";
 import { linearRange } from "../player/chart_scales.js";
 import { colour } from "../player/colours.js";
 import { short } from "../player/formatting.js";
@@ -7,19 +13,29 @@ import { valueAt } from "../player/samples.js";
 const HEIGHT = 180;
 const INITIAL = 3; // number of charts shown initially
 const ROOM = 0.2; // above the lines, for the names of the levels
-const uPlot = window.uPlot;
+const { uPlot: Plot } = window;
 
 // The colour of a run, and a dash so that lines differ without colours too.
 const COLOURS = ["--chart-1", "--chart-2", "--chart-3", "--chart-4", "--chart-5"];
 const DASHES = [[], [], [6, 3], [2, 3], [10, 3, 2, 3]];
 
+/** @typedef {{chart: ComparedChart, plot: uPlot, readout: HTMLElement, line: HTMLElement}} ShownChart */
+
 export class OverlaidCharts {
+  /**
+   * @param {CompareData} data
+   * @param {Playhead} playhead
+   * @param {string[]} chosen
+   */
   constructor(data, playhead, chosen) {
     this.data = data;
     this.playhead = playhead;
-    this.box = document.querySelector("[data-charts]");
+    this.box = need(document, "[data-charts]", HTMLElement);
+    /** @type {ComparedSeries[]} */
     this.series = [];
+    /** @type {ShownChart[]} */
     this.shown = [];
+    /** @type {number | null} */
     this.level = null;
     this.onChoice = () => {};
     const known = data.charts.filter(({ column }) => chosen.includes(column));
@@ -37,7 +53,7 @@ export class OverlaidCharts {
   }
 
   listChoices() {
-    const list = document.querySelector("[data-chart-choices]");
+    const list = need(document, "[data-chart-choices]", HTMLElement);
     list.replaceChildren(
       ...this.data.charts.map((chart) => {
         const label = document.createElement("label");
@@ -52,6 +68,10 @@ export class OverlaidCharts {
     );
   }
 
+  /**
+   * @param {ComparedChart} chart
+   * @param {HTMLInputElement} box
+   */
   choose(chart, box) {
     if (box.checked && this.chosen.size >= this.data.columns_max) box.checked = false;
     else if (box.checked) this.chosen.add(chart);
@@ -60,7 +80,11 @@ export class OverlaidCharts {
     this.onChoice();
   }
 
-  // `series`: of each run its own times and columns; `level`: shown alone, null for whole trials.
+  /**
+   * `series`: of each run its own times and columns; `level`: shown alone, null for whole trials.
+   * @param {ComparedSeries[]} series
+   * @param {number | null} level
+   */
   show(series, level) {
     this.series = series;
     this.level = level;
@@ -74,6 +98,10 @@ export class OverlaidCharts {
     this.draw();
   }
 
+  /**
+   * @param {ComparedChart} chart
+   * @returns {ShownChart}
+   */
   createPlot(chart) {
     const container = document.createElement("div");
     const title = document.createElement("p");
@@ -93,7 +121,7 @@ export class OverlaidCharts {
       grid: { stroke: colour("--chart-grid"), width: 1 },
       ticks: { show: false },
     };
-    const plot = new uPlot(
+    const plot = new Plot(
       {
         width: this.width(),
         height: HEIGHT,
@@ -128,12 +156,16 @@ export class OverlaidCharts {
     line.hidden = true;
     plot.over.append(line);
     plot.over.addEventListener("click", () => {
-      if (plot.cursor.left >= 0) this.playhead.seek(plot.posToVal(plot.cursor.left, "x"));
+      const { left } = plot.cursor;
+      if (left !== undefined && left >= 0) this.playhead.seek(plot.posToVal(left, "x"));
     });
     return { chart, plot, readout, line };
   }
 
-  // Borders and names of the levels behind the lines.
+  /**
+   * Borders and names of the levels behind the lines.
+   * @returns {uPlot.Plugin}
+   */
   levelsPlugin() {
     return {
       hooks: {
@@ -158,7 +190,12 @@ export class OverlaidCharts {
     };
   }
 
-  // The name of a level, if it fits between its borders.
+  /**
+   * The name of a level, if it fits between its borders.
+   * @param {uPlot} plot
+   * @param {string} name
+   * @param {number} x
+   */
   drawName(plot, name, x) {
     const { ctx, bbox } = plot;
     const width = plot.valToPos(this.data.level_s, "x", true) - plot.valToPos(0, "x", true);
@@ -167,12 +204,17 @@ export class OverlaidCharts {
     ctx.fillStyle = colour("--text-2");
     ctx.textAlign = "left";
     ctx.textBaseline = "alphabetic";
-    if (ctx.measureText(`${name}  `).width < width)
-      ctx.fillText(name, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+    const fits = ctx.measureText(`${name}  `).width < width;
+    if (fits) ctx.fillText(name, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
     ctx.restore();
   }
 
-  // Values of all runs at the cursor, otherwise at the playhead.
+  /**
+   * Values of all runs at the cursor, otherwise at the playhead.
+   * @param {uPlot} plot
+   * @param {ComparedChart} chart
+   * @param {HTMLElement} readout
+   */
   showValues(plot, chart, readout) {
     const { idx } = plot.cursor;
     const hovered = idx !== null && idx !== undefined ? plot.data[0][idx] : undefined;
@@ -189,8 +231,9 @@ export class OverlaidCharts {
   draw() {
     for (const { chart, plot } of this.shown) {
       // Runs have their own times: `join` lets lines span the times of others, not their own gaps.
+      /** @type {uPlot.AlignedData[]} */
       const tables = this.series.map(({ t, columns }) => [t, columns[chart.column] ?? new Array(t.length).fill(null)]);
-      plot.setData(tables.length ? uPlot.join(tables) : [[], ...this.data.runs.map(() => [])]);
+      plot.setData(tables.length ? Plot.join(tables) : [[], ...this.data.runs.map(() => [])]);
     }
     this.mark();
   }

@@ -1,11 +1,14 @@
 // The demo: the player of a run on the recorded one, which plays by itself.
+/** @import { PlayerData } from "../server_data.d.ts" */
+import { dataOf, need } from "../dom.js";
 import { Player } from "../player/player.js";
 import { posterShown } from "./poster.js";
 
 const SPEED = 2;
 
-const data = JSON.parse(document.getElementById("run-data").textContent);
-const root = document.querySelector("[data-player]");
+/** @type {PlayerData} */
+const data = dataOf("run-data");
+const root = need(document, "[data-player]", HTMLElement);
 await posterShown(root);
 const player = new Player(root, data);
 const { playhead } = player;

@@ -1,4 +1,7 @@
 // The looping replay of a run on the home page and on leaderboards. three.js is loaded when it comes into sight.
+/** @import { PlayerData } from "../server_data.d.ts" */
+/** @import { Memory } from "../player/memory.js" */
+import { dataOf, need } from "../dom.js";
 import { clockText } from "../player/formatting.js";
 import { Playhead } from "../player/playhead.js";
 import { Rows, rowColumns } from "../player/rows.js";
@@ -6,21 +9,24 @@ import { SceneBox } from "../player/scene_box.js";
 import { posterShown } from "./poster.js";
 
 const SPEED = 5;
+/** @type {Pick<Memory, "get" | "set">} */
 const FORGETFUL = { get: (_name, fallback) => fallback, set: () => {} };
 
-const data = JSON.parse(document.getElementById("run-data").textContent);
-const root = document.querySelector("[data-scene]");
+/** @type {PlayerData} */
+const data = dataOf("run-data");
+const root = need(document, "[data-scene]", HTMLElement);
 await posterShown(root);
-const button = root.querySelector("[data-play]");
-const clock = root.querySelector("[data-clock]");
+const button = need(root, "[data-play]", HTMLButtonElement);
+const clock = need(root, "[data-clock]", HTMLElement);
 const playhead = new Playhead({ duration: data.trial_s, loop: true });
 const rows = new Rows(data.api, rowColumns(data.columns));
 const scene = new SceneBox(root, data, FORGETFUL);
 let seen = false;
+/** @type {number | null} */
 let before = null;
 
 function show() {
-  button.querySelector("[data-label]").textContent = playhead.playing ? "Pause" : "Play";
+  need(button, "[data-label]", HTMLElement).textContent = playhead.playing ? "Pause" : "Play";
   rows.want(playhead);
   const found = rows.at(0, playhead.t);
   if (!found) return;
@@ -28,6 +34,7 @@ function show() {
   scene.show(playhead, found, () => rows.before(0, playhead.t, 20 * SPEED));
 }
 
+/** @param {number} now */
 function tick(now) {
   if (seen) playhead.advance(Math.min((now - (before ?? now)) / 1000, 0.25));
   before = now;

@@ -1,9 +1,17 @@
 // The player bar: play and pause, the slider, speed, and jumps. It works by keyboard alone.
+/**
+ * @import { Moments, Row } from "../server_data.d.ts"
+ * @import { FullScreen } from "./full_screen.js"
+ * @import { Playhead } from "./playhead.js"
+ */
+import { around, maybe, need } from "../dom.js";
 import { clockText } from "./formatting.js";
 
 const STEP_S = 1;
 const LEAP_S = 10;
+const TYPING = "input, select, textarea, summary, dialog[open], [contenteditable], .table-wrap, .log";
 const LOST = "The target was never lost.";
+/** @type {Record<string, string>} */
 const NEVER = {
   error: "No data yet.",
   "first-loss": LOST,
@@ -11,54 +19,86 @@ const NEVER = {
   touch: "The vehicle never touched anything.",
 };
 
+/**
+ * @typedef {object} BarOptions
+ * @property {number} levelLength [s]
+ * @property {(row: Row) => string} levelText what the level of a row is called
+ * @property {() => Promise<Moments | null>} moments of the trial
+ * @property {number} step [s]
+ * @property {FullScreen} fullScreen
+ * @property {Record<string, () => void>} keys beside its own
+ */
+
 export class Bar {
-  // levelText: row -> what the level is called; moments: () -> promise of moments.json;
-  // keys: {key: action} beside its own
+  /**
+   * @param {HTMLElement} root
+   * @param {Playhead} playhead
+   * @param {BarOptions} options
+   */
   constructor(root, playhead, { levelLength, levelText, moments, step, fullScreen, keys }) {
-    Object.assign(this, { root, playhead, levelLength, levelText, moments, step, fullScreen, keys });
-    const parts = new Map();
-    this.part = (name) => parts.get(name) ?? parts.set(name, root.querySelector(`[data-${name}]`)).get(name);
-    this.slider = this.part("time");
+    this.playhead = playhead;
+    this.levelLength = levelLength;
+    this.levelText = levelText;
+    this.moments = moments;
+    this.step = step;
+    this.fullScreen = fullScreen;
+    this.keys = keys;
+    this.slider = need(root, "[data-time]", HTMLInputElement);
+    this.playButton = need(root, "[data-play]", HTMLButtonElement);
+    this.playLabel = need(this.playButton, "[data-label]", HTMLElement);
+    this.follow = maybe(root, "[data-follow]", HTMLButtonElement);
+    this.speed = need(root, "[data-speed]", HTMLSelectElement);
+    this.jumps = need(root, "[data-jump]", HTMLSelectElement);
+    this.clock = need(root, "[data-clock]", HTMLElement);
+    this.note = need(root, "[data-jump-note]", HTMLElement);
     this.slider.max = String(playhead.duration);
     this.slider.step = String(step);
     this.slider.addEventListener("input", () => playhead.seek(Number(this.slider.value)));
-    this.part("play").addEventListener("click", () => playhead.toggle());
-    this.part("follow")?.addEventListener("click", () => playhead.follow());
-    this.part("speed").addEventListener("change", (event) => playhead.setSpeed(Number(event.target.value)));
-    this.part("jump").addEventListener("change", (event) => this.jump(event.target));
+    this.playButton.addEventListener("click", () => playhead.toggle());
+    this.follow?.addEventListener("click", () => playhead.follow());
+    this.speed.addEventListener("change", () => playhead.setSpeed(Number(this.speed.value)));
+    this.jumps.addEventListener("change", () => this.jump(this.jumps));
     document.addEventListener("keydown", (event) => this.onKey(event));
   }
 
+  /**
+   * @param {Playhead} playhead
+   * @param {Row | null} row
+   */
   show({ t, newest, playing, following, live, speed }, row) {
     this.slider.value = String(t);
     const text = this.timeText(t, row);
     this.slider.setAttribute("aria-valuetext", text);
-    this.part("clock").textContent = text;
-    const enabled = newest > 0;
-    for (const name of ["play", "time", "jump"]) this.part(name).disabled = !enabled;
+    this.clock.textContent = text;
+    for (const control of [this.playButton, this.slider, this.jumps]) control.disabled = newest <= 0;
     const moving = playing || following;
-    const button = this.part("play");
+    const button = this.playButton;
     if (button.dataset.moving !== String(moving)) {
       button.dataset.moving = String(moving);
-      button.querySelector("[data-label]").textContent = moving ? "Pause" : "Play";
+      this.playLabel.textContent = moving ? "Pause" : "Play";
     }
-    const follow = this.part("follow");
-    if (follow) {
-      follow.hidden = !live;
-      follow.setAttribute("aria-pressed", String(following));
+    if (this.follow) {
+      this.follow.hidden = !live;
+      this.follow.setAttribute("aria-pressed", String(following));
     }
-    this.part("speed").value = String(speed);
+    this.speed.value = String(speed);
   }
 
+  /**
+   * @param {number} t
+   * @param {Row | null} row
+   */
   timeText(t, row) {
     const level = row ? this.levelText(row) : "";
     return `${clockText(t)}${level ? `, ${level}` : ""}`;
   }
 
+  /** @param {string} sentence */
   tell(sentence) {
-    this.part("jump-note").textContent = sentence;
+    this.note.textContent = sentence;
   }
 
+  /** @param {HTMLSelectElement} select */
   async jump(select) {
     const wanted = select.value;
     select.value = "";
@@ -71,7 +111,9 @@ export class Bar {
       const found = await this.moments();
       const losses = found?.losses ?? [];
       const touches = found?.touches ?? [];
+      /** @type {(times: number[]) => number | undefined} */
       const after = (times) => times.find((time) => time > t + this.step / 2) ?? times[0];
+      /** @type {Record<string, number | undefined>} */
       const targets = {
         error: found?.largest_error?.t,
         "next-loss": after(losses),
@@ -79,23 +121,20 @@ export class Bar {
         touch: after(touches),
       };
       const target = targets[wanted];
-      if (Number.isFinite(target)) this.playhead.seek(target);
+      if (target !== undefined) this.playhead.seek(target);
       else this.tell(NEVER[wanted]);
     }
   }
 
+  /** @param {KeyboardEvent} event */
   onKey(event) {
     const { target, key, ctrlKey, metaKey, altKey } = event;
-    if (
-      ctrlKey ||
-      metaKey ||
-      altKey ||
-      target.closest("input, select, textarea, summary, dialog[open], [contenteditable], .table-wrap, .log")
-    )
-      return;
+    if (ctrlKey || metaKey || altKey || around(target, TYPING, Element)) return;
     const { playhead } = this;
-    const inControl = target.closest("button, a, canvas");
+    const inControl = around(target, "button, a, canvas", Element);
+    /** @type {(seconds: number) => void} */
     const seek = (seconds) => playhead.seek(playhead.t + seconds);
+    /** @type {Record<string, () => void>} */
     const actions = {
       " ": () => playhead.toggle(),
       k: () => playhead.toggle(),

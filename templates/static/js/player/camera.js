@@ -1,27 +1,46 @@
 // The vehicle's camera at the playhead. There is one request at a time; of the images wanted in the
 // meantime, only the last is loaded.
+/** @import { Row } from "../server_data.d.ts" */
+import { maybe, need } from "../dom.js";
 
 const PERIOD_MS = 60; // from one image to the next at least, and as long as the last one took
 const LIVE_PERIOD_MS = 400;
 const VIEWER_PERIOD_MS = 20; // the more viewers a run has, the less often each asks for an image
 const ZOOM = 3;
 
+/** @typedef {{trial: number, t: number}} Moment */
+
 export class Camera {
+  /**
+   * @param {ParentNode} root
+   * @param {{api: string, step: number}} run
+   */
   constructor(root, { api, step }) {
-    Object.assign(this, { api, step });
-    this.box = root.querySelector("[data-camera]");
-    this.image = this.box.querySelector("img");
-    this.note = this.box.querySelector("[data-camera-note]");
-    this.truth = root.querySelector("[data-truth]");
-    this.zoom = root.querySelector("[data-zoom]");
+    this.api = api;
+    this.step = step;
+    this.box = need(root, "[data-camera]", HTMLElement);
+    this.image = need(this.box, "img", HTMLImageElement);
+    this.note = need(this.box, "[data-camera-note]", HTMLElement);
+    this.truth = maybe(root, "[data-truth]", HTMLInputElement);
+    this.zoom = maybe(root, "[data-zoom]", HTMLInputElement);
+    /** @type {Moment | null} */
     this.wanted = null;
+    /** @type {Moment | null} */
+    this.shown = null;
+    /** @type {Row | null} */
+    this.row = null;
+    this.following = false;
     this.busy = false;
     this.viewers = 1; // of the live run
     this.truth?.addEventListener("change", () => this.again());
     this.zoom?.addEventListener("change", () => this.place());
   }
 
-  // Shows the last image before time `t`; `row` is the telemetry of that moment, null if unknown.
+  /**
+   * Shows the last image before time `t`; `row` is the telemetry of that moment, null if unknown.
+   * @param {{trial: number, t: number, following: boolean}} moment
+   * @param {Row | null} row
+   */
   show({ trial, t, following }, row) {
     this.row = row;
     this.following = following;
@@ -40,15 +59,21 @@ export class Camera {
   place() {
     const { image, row } = this;
     const sure = row && row.tracker_ok === 1 && Number.isFinite(row.tracked_x);
-    const [x, y] = sure ? [row.tracked_x, row.tracked_y] : [row?.target_x, row?.target_y];
+    const [x, y] = (sure ? [row.tracked_x, row.tracked_y] : [row?.target_x, row?.target_y]).map(
+      (at) => at ?? Number.NaN,
+    );
     const zoomed = Boolean(this.zoom?.checked) && Number.isFinite(x) && Number.isFinite(y) && image.naturalWidth > 0;
     image.style.transform = zoomed ? `scale(${ZOOM})` : "";
     if (!zoomed) return;
+    /** @type {(value: number, size: number) => number} */
     const share = (value, size) => Math.min(Math.max(((value / size) * ZOOM - 0.5) / (ZOOM - 1), 0), 1) * 100;
     image.style.transformOrigin = `${share(x, image.naturalWidth)}% ${share(y, image.naturalHeight)}%`;
   }
 
-  // Shows a sentence instead of an image.
+  /**
+   * Shows a sentence instead of an image.
+   * @param {string} text
+   */
   tell(text) {
     this.wanted = null;
     this.note.textContent = text;
@@ -56,6 +81,7 @@ export class Camera {
     this.image.hidden = true;
   }
 
+  /** @param {Moment} moment */
   address({ trial, t }) {
     const truth = this.truth && !this.truth.checked ? "&truth=false" : "";
     return `${this.api}/camera.jpg?trial=${trial}${truth}&t=${t.toFixed(2)}`;

@@ -1,9 +1,18 @@
 // What is drawn into every chart beside its lines: the levels with their names, losses and first touches.
+/**
+ * @import uPlot from "uplot"
+ * @import { Moments, PlayerData } from "../server_data.d.ts"
+ */
 import { colour } from "./colours.js";
 
 const TICK_PX = 9;
 
-// The plugin of uPlot; owner: levelAt(index), marks() -> {losses, touches}
+/**
+ * The plugin of uPlot; owner: levelAt(index), marks() -> {losses, touches}
+ * @param {PlayerData} data
+ * @param {{levelAt: (index: number) => number | null, marks: () => Pick<Moments, "losses" | "touches">}} owner
+ * @returns {uPlot.Plugin}
+ */
 export function marksPlugin(data, owner) {
   return {
     hooks: {
@@ -13,6 +22,11 @@ export function marksPlugin(data, owner) {
   };
 }
 
+/**
+ * @param {uPlot} plot
+ * @param {PlayerData} data
+ * @param {(index: number) => number | null} levelAt
+ */
 function drawLevels(plot, data, levelAt) {
   const { ctx, bbox } = plot;
   ctx.save();
@@ -50,11 +64,16 @@ function drawLevels(plot, data, levelAt) {
   ctx.restore();
 }
 
-// Ticks where the target was lost, triangles where the hull first touched something, at the foot of the chart.
+/**
+ * Ticks where the target was lost, triangles where the hull first touched something, at the foot of the chart.
+ * @param {uPlot} plot
+ * @param {Pick<Moments, "losses" | "touches">} marks
+ */
 function drawMarks(plot, { losses, touches }) {
   const { ctx, bbox } = plot;
   const foot = bbox.top + bbox.height;
   const size = TICK_PX * devicePixelRatio;
+  /** @type {(times: number[]) => number[]} */
   const places = (times) =>
     times.map((t) => plot.valToPos(t, "x", true)).filter((x) => x >= bbox.left && x <= bbox.left + bbox.width);
   ctx.save();

@@ -1,4 +1,10 @@
 // One chart: lines over simulated time with uPlot, the levels, and the playhead as a line on top.
+/**
+ * @import { Chart, PlayerData } from "../server_data.d.ts"
+ * @import { Charts } from "./charts.js"
+ * @import { Samples } from "./samples.js"
+ * @import uPlot from "uplot"
+ */
 import { marksPlugin } from "./chart_marks.js";
 import { drawable, isDistance, yAxis, yScale } from "./chart_scales.js";
 import { colour, LINES } from "./colours.js";
@@ -8,12 +14,25 @@ import { lastUntil } from "./samples.js";
 
 const HEIGHT = 190;
 const WIDTH_MIN = 200;
-const uPlot = window.uPlot;
+const { uPlot: Plot } = window;
 
 export class ChartPlot {
-  // owner: range(), levelAt(index), marks(), logarithmic, onSeek(t), onZoom(from, to), remove(chart)
+  /**
+   * @param {Chart} chart
+   * @param {PlayerData} data
+   * @param {Charts} owner
+   */
   constructor(chart, data, owner) {
-    Object.assign(this, { chart, data, owner, t: [], values: {}, marked: null });
+    this.chart = chart;
+    this.data = data;
+    this.owner = owner;
+    /** @type {number[]} */
+    this.t = [];
+    /** @type {Samples["values"]} */
+    this.values = {};
+    /** @type {number | null} */
+    this.marked = null;
+    this.zoomed = false; // by a drag that has not ended
     this.logarithmic = owner.logarithmic && isDistance(chart);
     this.writeValues = paced(() => this.showValues());
     this.box = document.createElement("div");
@@ -30,7 +49,8 @@ export class ChartPlot {
     canvas.setAttribute("aria-label", `${chart.title} over simulated time; the values are in the data table below`);
     this.box.append(title, canvas);
     owner.box.append(this.box);
-    this.createPlot(canvas);
+    this.plot = this.createPlot(canvas);
+    this.line = this.listen();
   }
 
   removeButton() {
@@ -43,13 +63,17 @@ export class ChartPlot {
     return button;
   }
 
+  /**
+   * @param {HTMLElement} target
+   * @returns {uPlot}
+   */
   createPlot(target) {
     const axis = {
       stroke: colour("--text-2"),
       grid: { stroke: colour("--chart-grid"), width: 1 },
       ticks: { show: false },
     };
-    this.plot = new uPlot(
+    return new Plot(
       {
         width: this.width(),
         height: HEIGHT,
@@ -75,17 +99,23 @@ export class ChartPlot {
       [[], ...this.chart.columns.map(() => [])],
       target,
     );
-    this.line = document.createElement("i");
-    this.line.className = "chart-playhead";
-    this.plot.over.append(this.line);
+  }
+
+  // Returns the line of the playhead.
+  listen() {
+    const line = document.createElement("i");
+    line.className = "chart-playhead";
+    this.plot.over.append(line);
     this.plot.over.addEventListener("click", (event) => {
       const t = this.plot.posToVal(event.offsetX, "x");
       if (!this.zoomed && Number.isFinite(t)) this.owner.onSeek(t);
       this.zoomed = false;
     });
     this.plot.over.addEventListener("dblclick", () => this.owner.onZoom(null));
+    return line;
   }
 
+  /** @param {uPlot} plot */
   zoom(plot) {
     const { left, width } = plot.select;
     if (width < 4) return;
@@ -94,6 +124,10 @@ export class ChartPlot {
     this.owner.onZoom([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
   }
 
+  /**
+   * @param {number[]} t
+   * @param {Samples["values"]} values
+   */
   show(t, values) {
     Object.assign(this, { t, values });
     const empty = () => new Array(t.length).fill(null);
@@ -101,12 +135,15 @@ export class ChartPlot {
     this.mark(this.marked);
   }
 
-  // Moves the line of the playhead at once, the values soon after; the canvas is not drawn again.
+  /**
+   * Moves the line of the playhead at once, the values soon after; the canvas is not drawn again.
+   * @param {number | null} t
+   */
   mark(t) {
     this.marked = t;
     if (t === null) return;
     const x = this.plot.valToPos(t, "x");
-    this.line.hidden = !(x >= 0 && x <= this.plot.bbox.width / uPlot.pxRatio);
+    this.line.hidden = !(x >= 0 && x <= this.plot.bbox.width / Plot.pxRatio);
     if (!this.line.hidden) this.line.style.transform = `translateX(${x}px)`;
     this.writeValues();
   }

@@ -1,5 +1,11 @@
 // The charts of a run: which ones, in which unit, over which range, and their data at a level of detail
 // that fits the screen. The x axis of all charts is the same.
+/**
+ * @import { Chart, Moments, PlayerData, SeriesAnswer } from "../server_data.d.ts"
+ * @import { Memory } from "./memory.js"
+ * @import { Samples } from "./samples.js"
+ */
+import { all, maybe, need } from "../dom.js";
 import { ChartChoice } from "./chart_choice.js";
 import { ChartPlot } from "./chart_plot.js";
 import { isDistance } from "./chart_scales.js";
@@ -12,47 +18,64 @@ const DRAW_MS = 150; // between two drawings of live data
 const ZOOM_MIN_S = 0.5;
 
 export class Charts {
+  /**
+   * @param {ParentNode} root
+   * @param {PlayerData} data
+   * @param {Memory} memory
+   */
   constructor(root, data, memory) {
-    Object.assign(this, {
-      data,
-      memory,
-      marked: null,
-      sequence: 0, // of the newest request
-      moments: { losses: [], touches: [] },
-      trial: 0,
-      zoomed: null,
-      plots: [],
-      onSeek: () => {},
-      onLoad: () => {},
-    });
-    this.box = root.querySelector("[data-charts]");
+    this.data = data;
+    this.memory = memory;
+    /** @type {number | null} time of the playhead [s] */
+    this.marked = null;
+    this.sequence = 0; // of the newest request
+    /** @type {Pick<Moments, "losses" | "touches">} */
+    this.moments = { losses: [], touches: [] };
+    this.trial = 0;
+    /** @type {[number, number] | null} [s] */
+    this.zoomed = null;
+    /** @type {ChartPlot[]} */
+    this.plots = [];
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    /** @type {(t: number) => void} */
+    this.onSeek = () => {};
+    /** @type {(t: number, trial: number) => void} */
+    this.onLoad = () => {};
+    this.box = need(root, "[data-charts]", HTMLElement);
     this.whole = noSamples();
-    this.detail = null; // the same over the zoomed range
-    this.units = [...root.querySelectorAll('input[name="unit"]')];
-    this.rangeSelect = root.querySelector("[data-range]");
+    /** @type {Samples | null} the same over the zoomed range */
+    this.detail = null;
+    this.units = all(root, 'input[name="unit"]', HTMLInputElement);
+    this.rangeSelect = maybe(root, "[data-range]", HTMLSelectElement);
+    /** @type {(chart: Chart) => boolean} */
     const known = (chart) =>
-      chart.columns?.length && chart.columns.every((name) => data.columns.some((column) => column.name === name));
-    this.chosen = memory.get("charts", []).filter(known);
+      chart.columns?.length > 0 && chart.columns.every((name) => data.columns.some((column) => column.name === name));
+    this.chosen = memory.get("charts", /** @type {Chart[]} */ ([])).filter(known);
     if (!this.chosen.length) this.chosen = this.presets(data.charts[0]?.unit);
     this.choice = new ChartChoice(root, data, this);
     const units = new Set(data.charts.map(({ unit }) => unit));
-    const choice = root.querySelector("[data-units]");
+    const choice = maybe(root, "[data-units]", HTMLElement);
     if (choice) choice.hidden = !this.units.every(({ value }) => units.has(value));
     for (const input of this.units) {
       input.checked =
         this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
       input.addEventListener("change", () => this.choose(this.presets(input.value)));
     }
-    this.rangeSelect?.addEventListener("change", () => this.zoomAround(Number(this.rangeSelect.value)));
-    this.offerLogarithmic(root.querySelector("[data-log-axis]"));
+    this.rangeSelect?.addEventListener("change", () => this.zoomAround(Number(this.rangeSelect?.value)));
+    /** @type {boolean} */
+    this.logarithmic = false;
+    this.offerLogarithmic(need(root, "[data-log-axis]", HTMLInputElement));
     this.build();
     document.addEventListener("themechange", () => this.build());
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
+  /** @param {HTMLInputElement} box */
   offerLogarithmic(box) {
     box.checked = this.logarithmic = this.memory.get("logarithmic", false);
-    box.closest("label").hidden = !this.data.charts.some(isDistance);
+    const label = box.closest("label");
+    if (label) label.hidden = !this.data.charts.some(isDistance);
     box.addEventListener("change", () => {
       this.logarithmic = box.checked;
       this.memory.set("logarithmic", box.checked);
@@ -60,11 +83,13 @@ export class Charts {
     });
   }
 
+  /** @param {string | undefined} unit */
   presets(unit) {
     const found = this.data.charts.filter((chart) => chart.unit === unit);
     return (found.length ? found : this.data.charts).slice(0, INITIAL);
   }
 
+  /** @param {Chart[]} charts */
   choose(charts) {
     this.chosen = charts;
     this.memory.set("charts", charts);
@@ -73,6 +98,7 @@ export class Charts {
     this.load();
   }
 
+  /** @param {Chart} chart */
   remove(chart) {
     this.choose(this.chosen.filter((one) => one !== chart));
   }
@@ -92,14 +118,21 @@ export class Charts {
     return [...new Set(["level", ...this.chosen.flatMap(({ columns }) => columns)])];
   }
 
-  // The whole trial, including the part still to come, unless somebody has zoomed in.
+  /**
+   * The whole trial, including the part still to come, unless somebody has zoomed in.
+   * @returns {[number, number]}
+   */
   range() {
     if (this.zoomed) return this.zoomed;
     const { t } = this.whole;
     return [0, Math.max(this.data.trial_s, t.length ? t[t.length - 1] : 0)];
   }
 
-  // The level that ran at a position of the trial; null if that is not known yet.
+  /**
+   * The level that ran at a position of the trial; null if that is not known yet.
+   * @param {number} position
+   * @returns {number | null}
+   */
   levelAt(position) {
     const { level_s: length, ordered, levels } = this.data;
     return ordered ? Math.min(position, levels.length - 1) : levelAt(this.whole, position, length);
@@ -117,22 +150,29 @@ export class Charts {
 
   async loadDetail() {
     const zoomed = this.zoomed;
+    if (!zoomed) return;
     const detail = await this.fetchSeries(`&start=${Math.max(zoomed[0], 0)}&stop=${Math.max(zoomed[1], 0)}`);
     if (!detail || zoomed !== this.zoomed) return;
     this.detail = detail;
     this.draw();
   }
 
+  /**
+   * @param {string} range
+   * @returns {Promise<Samples | null>}
+   */
   async fetchSeries(range) {
     const names = this.columns().join(",");
     const response = await fetch(
       `${this.data.api}/series.json?columns=${names}&max_points=${POINTS}&trial=${this.trial}${range}`,
     );
     if (!response.ok) return null;
+    /** @type {SeriesAnswer} */
     const { t, columns } = await response.json();
     return { t, values: columns };
   }
 
+  /** @param {number} trial */
   setTrial(trial) {
     if (trial === this.trial) return;
     this.trial = trial;
@@ -145,6 +185,7 @@ export class Charts {
     this.draw();
   }
 
+  /** @param {[number, number] | null} range */
   onZoom(range) {
     const [from, to] = range ?? [0, 0];
     this.zoomed = range && to - from > ZOOM_MIN_S ? [Math.max(from, 0), to] : null;
@@ -154,6 +195,7 @@ export class Charts {
     if (this.zoomed) this.loadDetail();
   }
 
+  /** @param {number} length */
   zoomAround(length) {
     const middle = this.marked ?? 0;
     const from = Math.max(middle - length / 2, 0);
@@ -161,7 +203,11 @@ export class Charts {
     if (this.rangeSelect) this.rangeSelect.value = String(length);
   }
 
-  // Appends rows of the event stream.
+  /**
+   * Appends rows of the event stream.
+   * @param {string[]} columns
+   * @param {(number | null)[][]} rows
+   */
   append(columns, rows) {
     appendRows(this.whole, this.columns(), columns, rows);
     if (this.whole.t.length > LIVE_POINTS_MAX) this.whole = thinned(this.whole);
@@ -176,7 +222,10 @@ export class Charts {
     for (const plot of this.plots) plot.show(t, values);
   }
 
-  // moments: losses and touches of the trial [s]
+  /**
+   * moments: losses and touches of the trial [s]
+   * @param {Pick<Moments, "losses" | "touches">} moments
+   */
   setMoments(moments) {
     this.moments = moments;
     this.draw();
@@ -186,6 +235,7 @@ export class Charts {
     return this.moments;
   }
 
+  /** @param {number | null} t */
   mark(t) {
     this.marked = t;
     if (

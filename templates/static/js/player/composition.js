@@ -7,7 +7,27 @@ const SCENE = 0.68;
 const BODY = 0.9;
 const GAP = 0.012; // of the height
 
-// Draws an image so that it fills the box, cut at its longer sides.
+/**
+ * What a picture shows.
+ * @typedef {object} Picture
+ * @property {HTMLCanvasElement | null} scene
+ * @property {HTMLImageElement | null} camera
+ * @property {[string, string][]} numbers label and text
+ * @property {string} clock
+ * @property {string} title
+ * @property {number} share of the trial
+ */
+
+/** @typedef {[number, number, number, number]} Box left, top, width, height */
+
+/**
+ * Draws an image so that it fills the box, cut at its longer sides.
+ * @param {CanvasRenderingContext2D} context
+ * @param {CanvasImageSource} image
+ * @param {number} width
+ * @param {number} height
+ * @param {Box} box
+ */
 function fill(context, image, width, height, [x, y, w, h]) {
   if (!width || !height) return;
   const scale = Math.max(w / width, h / height);
@@ -15,8 +35,10 @@ function fill(context, image, width, height, [x, y, w, h]) {
   context.drawImage(image, (width - sw) / 2, (height - sh) / 2, sw, sh, x, y, w, h);
 }
 
-// moment: {scene: canvas or null, camera: image or null, numbers: [[label, text], ...], clock, title,
-// share of the trial}
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Picture} moment
+ */
 export function compose(context, moment) {
   const { width, height } = context.canvas;
   const gap = GAP * height;
@@ -38,6 +60,13 @@ export function compose(context, moment) {
   writeFooter(context, moment, [0, body, width, height - body]);
 }
 
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {string} text
+ * @param {number} x
+ * @param {number} y
+ * @param {{size: number, weight?: number, colour?: string, align?: CanvasTextAlign}} style
+ */
 function write(context, text, x, y, { size, weight = 400, colour = COLOURS.text, align = "left" }) {
   context.font = `${weight} ${size}px ${FONT}`;
   context.fillStyle = colour;
@@ -46,6 +75,11 @@ function write(context, text, x, y, { size, weight = 400, colour = COLOURS.text,
   context.fillText(text, x, y);
 }
 
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {[string, string][]} numbers
+ * @param {Box} box
+ */
 function writeNumbers(context, numbers, [x, y, , height]) {
   const row = Math.min(height / numbers.length, 0.062 * context.canvas.height);
   numbers.forEach(([label, text], index) => {
@@ -55,6 +89,11 @@ function writeNumbers(context, numbers, [x, y, , height]) {
   });
 }
 
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Picture} moment
+ * @param {Box} box
+ */
 function writeFooter(context, { clock, title, share }, [x, y, width, height]) {
   const inset = height * 0.3;
   context.fillStyle = COLOURS.line;

@@ -1,9 +1,11 @@
 // The player alone on the whole screen: a button and the bar's key "f" enter and leave it, Escape leaves.
+import { need } from "../dom.js";
 
 export class FullScreen {
+  /** @param {HTMLElement} root */
   constructor(root) {
     this.root = root;
-    this.button = root.querySelector("[data-full-screen]");
+    this.button = need(root, "[data-full-screen]", HTMLButtonElement);
     if (!document.fullscreenEnabled) return; // the button stays hidden
     this.button.hidden = false;
     this.button.addEventListener("click", () => this.toggle());
@@ -18,6 +20,6 @@ export class FullScreen {
 
   show() {
     const whole = document.fullscreenElement === this.root;
-    this.button.querySelector("[data-label]").textContent = whole ? "Leave full screen" : "Full screen";
+    need(this.button, "[data-label]", HTMLElement).textContent = whole ? "Leave full screen" : "Full screen";
   }
 }

@@ -1,15 +1,20 @@
 // The layout of the player's page, the same for all runs: how wide the scene is beside the camera, and what
 // is folded. It is kept in the browser's storage.
+import { all, need } from "../dom.js";
 
 const KEY = "player-layout";
 const SHARE = { least: 25, most: 75, usual: 63, step: 2 }; // of the scene [%]
 
+/** @typedef {{share?: number, folds?: Record<string, boolean>}} Kept */
+
 export class Layout {
+  /** @param {HTMLElement} root */
   constructor(root) {
     this.root = root;
-    this.views = root.querySelector("[data-views]");
-    this.splitter = root.querySelector("[data-splitter]");
+    this.views = need(root, "[data-views]", HTMLElement);
+    this.splitter = need(root, "[data-splitter]", HTMLElement);
     this.kept = read();
+    this.share = SHARE.usual;
     this.setShare(this.kept.share ?? SHARE.usual);
     this.splitter.hidden = false;
     this.splitter.addEventListener("keydown", (event) => this.onKey(event));
@@ -20,7 +25,8 @@ export class Layout {
     root.addEventListener(
       "toggle",
       ({ target }) => {
-        if (target.dataset?.fold) this.keep({ folds: { ...this.kept.folds, [target.dataset.fold]: target.open } });
+        if (!(target instanceof HTMLDetailsElement) || !target.dataset.fold) return;
+        this.keep({ folds: { ...this.kept.folds, [target.dataset.fold]: target.open } });
       },
       true,
     );
@@ -28,11 +34,12 @@ export class Layout {
 
   // Folds and unfolds as it was; also what the server has rendered anew.
   unfold() {
-    for (const part of this.root.querySelectorAll("details[data-fold]")) {
-      part.open = this.kept.folds?.[part.dataset.fold] ?? part.open;
+    for (const part of all(this.root, "details[data-fold]", HTMLDetailsElement)) {
+      part.open = this.kept.folds?.[part.dataset.fold ?? ""] ?? part.open;
     }
   }
 
+  /** @param {number} share */
   setShare(share) {
     this.share = Math.round(Math.min(Math.max(share, SHARE.least), SHARE.most));
     this.views.style.setProperty("--scene-share", `${this.share}fr`);
@@ -41,30 +48,36 @@ export class Layout {
     this.splitter.setAttribute("aria-valuetext", `${this.share} % scene, ${100 - this.share} % camera`);
   }
 
+  /** @param {number} share */
   keepShare(share) {
     this.setShare(share);
     this.keep({ share: this.share });
   }
 
+  /** @param {KeyboardEvent} event */
   onKey(event) {
-    const to = {
+    /** @type {Record<string, number>} */
+    const shares = {
       ArrowLeft: this.share - SHARE.step,
       ArrowRight: this.share + SHARE.step,
       Home: SHARE.least,
       End: SHARE.most,
       Enter: SHARE.usual,
-    }[event.key];
+    };
+    const to = shares[event.key];
     if (to === undefined) return;
     event.preventDefault();
     event.stopPropagation(); // the player would go to another time
     this.keepShare(to);
   }
 
+  /** @param {PointerEvent} event */
   drag(event) {
     event.preventDefault();
     this.splitter.focus();
     this.splitter.setPointerCapture(event.pointerId);
     const { left, width } = this.views.getBoundingClientRect();
+    /** @type {(event: PointerEvent) => void} */
     const move = ({ clientX }) => this.setShare(((clientX - left) / width) * 100);
     this.splitter.addEventListener("pointermove", move);
     this.splitter.addEventListener(
@@ -77,6 +90,7 @@ export class Layout {
     );
   }
 
+  /** @param {Kept} values */
   keep(values) {
     Object.assign(this.kept, values);
     try {
@@ -87,9 +101,10 @@ export class Layout {
   }
 }
 
+/** @returns {Kept} */
 function read() {
   try {
-    return JSON.parse(localStorage.getItem(KEY)) ?? {};
+    return JSON.parse(localStorage.getItem(KEY) ?? "{}") ?? {};
   } catch {
     return {};
   }

@@ -1,26 +1,37 @@
 // Where the target was lost, where the hull first touched something, and where levels change: on the time line,
 // and for the charts. Of a live run they are asked for again from time to time.
+/** @import { Moments } from "../server_data.d.ts" */
+import { need } from "../dom.js";
 
 const AGAIN_MS = 30_000; // each request reads the whole trial
+/** @type {Moments} */
 const NONE = { levels: [], losses: [], touches: [], largest_error: null };
 
 export class Marks {
-  // strip: the element above which they are drawn; legend: of the charts; duration: of the strip [s]
+  /**
+   * strip: the element above which they are drawn; legend: of the charts; duration: of the strip [s]
+   * @param {HTMLElement} strip
+   * @param {HTMLElement} legend
+   * @param {{api: string, duration: number}} run
+   */
   constructor(strip, legend, { api, duration }) {
-    Object.assign(this, {
-      strip,
-      legend,
-      api,
-      duration,
-      found: NONE,
-      trial: null,
-      level: null,
-      asked: -Infinity,
-      onChange: () => {},
-    });
+    this.strip = strip;
+    this.legend = legend;
+    this.api = api;
+    this.duration = duration;
+    this.found = NONE;
+    /** @type {number | null} */
+    this.trial = null;
+    this.asked = -Infinity;
+    /** @type {(moments: Moments) => void} */
+    this.onChange = () => {};
   }
 
-  // Returns the moments of a trial as they are now; null if they could not be read.
+  /**
+   * Returns the moments of a trial as they are now; null if they could not be read.
+   * @param {number} trial
+   * @returns {Promise<Moments | null>}
+   */
   async load(trial) {
     this.asked = performance.now();
     this.trial = trial;
@@ -32,7 +43,10 @@ export class Marks {
     return this.found;
   }
 
-  // Loads them if the trial is another one, or if a live run has gone on.
+  /**
+   * Loads them if the trial is another one, or if a live run has gone on.
+   * @param {{trial: number, live: boolean, newest: number}} playhead
+   */
   want({ trial, live, newest }) {
     if (!newest) return;
     const old = live && performance.now() - this.asked > AGAIN_MS;
@@ -40,13 +54,15 @@ export class Marks {
   }
 
   clear() {
-    Object.assign(this, { found: NONE, trial: null });
+    this.found = NONE;
+    this.trial = null;
     this.draw();
     this.onChange(NONE);
   }
 
   draw() {
     const { levels, losses, touches } = this.found;
+    /** @type {(kind: string) => (t: number) => HTMLElement} */
     const mark = (kind) => (t) => {
       const made = document.createElement("i");
       made.className = kind;
@@ -60,7 +76,7 @@ export class Marks {
       ...touches.map(mark("touch")),
     );
     this.legend.hidden = !losses.length && !touches.length;
-    this.legend.querySelector(".loss").hidden = !losses.length;
-    this.legend.querySelector(".touch").hidden = !touches.length;
+    need(this.legend, ".loss", HTMLElement).hidden = !losses.length;
+    need(this.legend, ".touch", HTMLElement).hidden = !touches.length;
   }
 }

@@ -1,12 +1,17 @@
 // The numbers at the playhead, beside the scene.
+/** @import { Row } from "../server_data.d.ts" */
 
 import { current, heading, number } from "./formatting.js";
 
+/** @param {Row} row */
 function tracker({ tracker_ok: ok, tracker_error: error }) {
   return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
 }
 
-// Label, a column that it needs, text.
+/**
+ * Label, a column that it needs, text.
+ * @type {[string, string, (row: Row) => string][]}
+ */
 const SHOWN = [
   ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
@@ -17,8 +22,13 @@ const SHOWN = [
 ];
 
 export class Numbers {
-  // columns: those that the run has; a log of a mission may lack some
+  /**
+   * columns: those that the run has; a log of a mission may lack some
+   * @param {HTMLElement} list
+   * @param {{name: string}[]} columns
+   */
   constructor(list, columns) {
+    /** @type {(wanted: string) => boolean} */
     const has = (wanted) => columns.some(({ name }) => name === wanted);
     this.shown = SHOWN.filter(([, column]) => has(column));
     this.values = this.shown.map(([label]) => {
@@ -32,11 +42,16 @@ export class Numbers {
     });
   }
 
-  // [[label, text], ...] of a row; null before there is one.
+  /**
+   * [[label, text], ...] of a row; null before there is one.
+   * @param {Row | null} row
+   * @returns {[string, string][]}
+   */
   lines(row) {
     return this.shown.map(([label, , text]) => [label, row ? text(row) : "–"]);
   }
 
+  /** @param {Row | null} row */
   show(row) {
     this.lines(row).forEach(([, text], index) => {
       const value = this.values[index];

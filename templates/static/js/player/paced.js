@@ -2,8 +2,13 @@
 
 const PERIOD_MS = 100;
 
-// Returns a function that calls `write` at once, then at most once in a period; the last call counts.
+/**
+ * Returns a function that calls `write` at once, then at most once in a period; the last call counts.
+ * @param {() => void} write
+ * @param {number} [period]
+ */
 export function paced(write, period = PERIOD_MS) {
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
   let written = -Infinity;
   const now = () => {

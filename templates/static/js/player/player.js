@@ -1,4 +1,6 @@
 // The player of a run: scene, camera, numbers and charts on one time line, and the bar that moves it.
+/** @import { PlayerData, Row } from "../server_data.d.ts" */
+import { maybe, need } from "../dom.js";
 import { Bar } from "./bar.js";
 import { Camera } from "./camera.js";
 import { ChartTable } from "./chart_table.js";
@@ -17,9 +19,19 @@ import { SceneBox } from "./scene_box.js";
 const TABLE_MS = 250;
 
 export class Player {
-  // root: the element with the parts; data: of the page; see server/pages/run/player_data.py
+  /**
+   * root: the element with the parts; data: of the page; see server/pages/run/player_data.py
+   * @param {HTMLElement} root
+   * @param {PlayerData} data
+   */
   constructor(root, data) {
-    Object.assign(this, { root, data });
+    this.root = root;
+    this.data = data;
+    /** @type {Row | null} at the playhead */
+    this.row = null;
+    this.cameraKey = "";
+    /** @type {number | undefined} when the playhead was last moved [ms] */
+    this.ticked = undefined;
     this.memory = new Memory(`player-${data.id}-${root.dataset.player}`);
     this.playhead = new Playhead({ duration: data.trial_s, live: data.live, loop: root.dataset.player === "loop" });
     this.rows = new Rows(data.api, rowColumns(data.columns));
@@ -27,22 +39,24 @@ export class Player {
     this.camera = new Camera(root, { api: data.api, step: data.step_s });
     this.layout = new Layout(root);
     this.fullScreen = new FullScreen(root);
-    this.numbers = new Numbers(root.querySelector("[data-numbers]"), data.columns);
-    this.scene = new SceneBox(root.querySelector("[data-scene]"), data, this.memory);
-    this.marks = new Marks(root.querySelector("[data-marks]"), root.querySelector("[data-mark-legend]"), {
+    this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns);
+    this.scene = new SceneBox(need(root, "[data-scene]", HTMLElement), { api: data.api }, this.memory);
+    this.marks = new Marks(need(root, "[data-marks]", HTMLElement), need(root, "[data-mark-legend]", HTMLElement), {
       api: data.api,
       duration: data.trial_s,
     });
     this.marks.onChange = (moments) => this.charts.setMoments(moments);
-    const table = root.querySelector("[data-chart-table]");
-    this.table = new ChartTable(table, this.charts);
-    const bar = root.querySelector("[data-bar]");
-    this.menu = new Menu(bar, this, { name: `seamark-run-${data.id}`, tell: (sentence) => this.bar.tell(sentence) });
+    this.table = new ChartTable(need(root, "[data-chart-table]", HTMLDetailsElement), this.charts);
+    const bar = need(root, "[data-bar]", HTMLElement);
+    this.menu = new Menu(bar, this, {
+      name: `seamark-run-${data.id}`,
+      tell: (/** @type {string} */ sentence) => this.bar.tell(sentence),
+    });
     this.bar = new Bar(bar, this.playhead, {
       keys: { ...this.menu.keys, ...this.scene.keys },
       levelLength: data.level_s,
       step: data.step_s,
-      levelText: (row) => this.levelText(row),
+      levelText: (/** @type {Row} */ row) => this.levelText(row),
       moments: () => this.marks.load(this.playhead.trial),
       fullScreen: this.fullScreen,
     });
@@ -51,10 +65,10 @@ export class Player {
       this.numbers.show(this.row);
     });
     this.writeTable = paced(() => this.table.show(), TABLE_MS);
-    this.trial = root.querySelector("[data-trial]");
+    this.trial = maybe(root, "[data-trial]", HTMLSelectElement);
     this.trial?.addEventListener("change", () => {
       this.playhead.seek(0); // no longer the newest data
-      this.setTrial(Number(this.trial.value));
+      this.setTrial(Number(this.trial?.value));
     });
     this.playhead.restore(this.memory.get("playhead", {}));
     this.charts.setTrial(this.playhead.trial);
@@ -72,6 +86,7 @@ export class Player {
     this.tick(performance.now());
   }
 
+  /** @param {number} now */
   tick(now) {
     const passed = Math.min((now - (this.ticked ?? now)) / 1000, 0.25); // a hidden tab does not leap
     this.ticked = now;
@@ -79,6 +94,7 @@ export class Player {
     requestAnimationFrame((next) => this.tick(next));
   }
 
+  /** @param {"time" | "mode"} what */
   moved(what) {
     this.memory.set("playhead", this.playhead.state());
     this.rows.want(this.playhead);
@@ -112,6 +128,10 @@ export class Player {
     this.camera.show({ trial, t, following }, this.row);
   }
 
+  /**
+   * @param {Row} row
+   * @returns {string}
+   */
   levelText(row) {
     const { names, levels, level } = this.data;
     if (row.level === null || row.level === undefined) return "";
@@ -131,7 +151,12 @@ export class Player {
     };
   }
 
-  // Rows of the trial that is shown have arrived by the event stream.
+  /**
+   * Rows of the trial that is shown have arrived by the event stream.
+   * @param {number} trial
+   * @param {string[]} columns
+   * @param {number[][]} rows
+   */
   append(trial, columns, rows) {
     if (trial !== this.playhead.trial || !rows.length) return;
     this.charts.append(columns, rows);
@@ -139,6 +164,7 @@ export class Player {
     this.playhead.available(rows[rows.length - 1][columns.indexOf("t")]);
   }
 
+  /** @param {number} trial */
   setTrial(trial) {
     this.playhead.setTrial(trial);
     if (this.trial) this.trial.value = String(trial);

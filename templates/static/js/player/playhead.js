@@ -3,24 +3,48 @@
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 60];
 
+/**
+ * What a reload resumes.
+ * @typedef {{trial: number, t: number, speed: number, playing: boolean, following: boolean}} PlayheadState
+ */
+
 export class Playhead {
-  // duration: of a trial [s]; live: whether rows still arrive; loop: start again at the end
+  /**
+   * duration: of a trial [s]; live: whether rows still arrive; loop: start again at the end
+   * @param {{duration: number, live?: boolean, loop?: boolean}} options
+   */
   constructor({ duration, live = false, loop = false }) {
-    Object.assign(this, { duration, live, loop, trial: 0, t: 0, newest: 0, speed: 1, playing: false, following: live });
+    this.duration = duration;
+    this.live = live;
+    this.loop = loop;
+    this.trial = 0;
+    this.t = 0;
+    this.newest = 0;
+    this.speed = 1;
+    this.playing = false;
+    this.following = live;
+    /** @type {((playhead: Playhead, what: "time" | "mode") => void)[]} */
     this.listeners = [];
   }
 
-  // Calls `listener(playhead, what)` at once and after every change; `what` is "time" or "mode".
+  /**
+   * Calls `listener(playhead, what)` at once and after every change; `what` is "time" or "mode".
+   * @param {(playhead: Playhead, what: "time" | "mode") => void} listener
+   */
   listen(listener) {
     this.listeners.push(listener);
     listener(this, "mode");
   }
 
+  /** @param {"time" | "mode"} what */
   changed(what) {
     for (const listener of this.listeners) listener(this, what);
   }
 
-  // Telemetry of the trial that is shown exists up to time `t` [s].
+  /**
+   * Telemetry of the trial that is shown exists up to time `t` [s].
+   * @param {number} t
+   */
   available(t) {
     this.newest = Math.max(this.newest, t);
     if (this.following) this.moveTo(this.newest);
@@ -33,17 +57,21 @@ export class Playhead {
     this.changed("mode");
   }
 
+  /** @param {number} trial */
   setTrial(trial) {
     if (trial === this.trial) return;
-    Object.assign(this, { trial, t: 0, newest: 0 });
+    this.trial = trial;
+    this.t = this.newest = 0;
     this.changed("mode");
   }
 
+  /** @param {number} t */
   moveTo(t) {
     this.t = Math.min(Math.max(t, 0), this.newest);
     this.changed("time");
   }
 
+  /** @param {number} t */
   seek(t) {
     const followed = this.following;
     this.following = false;
@@ -53,13 +81,14 @@ export class Playhead {
 
   play() {
     const ended = !this.live && this.t >= this.newest;
-    Object.assign(this, { playing: true, following: false });
+    this.playing = true;
+    this.following = false;
     if (ended) this.moveTo(0);
     this.changed("mode");
   }
 
   pause() {
-    Object.assign(this, { playing: false, following: false });
+    this.playing = this.following = false;
     this.changed("mode");
   }
 
@@ -71,17 +100,22 @@ export class Playhead {
   // Shows the newest data of a live run as they arrive.
   follow() {
     if (!this.live) return;
-    Object.assign(this, { playing: false, following: true });
+    this.playing = false;
+    this.following = true;
     this.moveTo(this.newest);
     this.changed("mode");
   }
 
+  /** @param {number} speed */
   setSpeed(speed) {
     this.speed = speed;
     this.changed("mode");
   }
 
-  // Moves on by `seconds` of wall time. At the newest data of a live run it waits for more.
+  /**
+   * Moves on by `seconds` of wall time. At the newest data of a live run it waits for more.
+   * @param {number} seconds
+   */
   advance(seconds) {
     if (!this.playing) return;
     const next = this.t + seconds * this.speed;
@@ -95,25 +129,32 @@ export class Playhead {
     }
   }
 
+  /** @returns {PlayheadState} */
   state() {
     const { trial, t, speed, playing, following } = this;
     return { trial, t, speed, playing, following };
   }
 
-  // Continues from an earlier `state`, as far as it is valid here.
+  /**
+   * Continues from an earlier `state`, as far as it is valid here.
+   * @param {Partial<Record<keyof PlayheadState, unknown>>} state
+   */
   restore({ trial, t, speed, playing, following }) {
-    if (Number.isInteger(trial) && trial >= 0) this.trial = trial;
-    if (SPEEDS.includes(speed)) this.speed = speed;
+    if (typeof trial === "number" && Number.isInteger(trial) && trial >= 0) this.trial = trial;
+    if (typeof speed === "number" && SPEEDS.includes(speed)) this.speed = speed;
     this.playing = playing === true;
     this.following = this.live && following !== false && !this.playing;
-    if (Number.isFinite(t) && !this.following) {
+    if (typeof t === "number" && Number.isFinite(t) && !this.following) {
       this.t = Math.min(Math.max(t, 0), this.duration);
       this.newest = Math.max(this.newest, this.t); // until it is known how far the data reach
     }
     this.changed("mode");
   }
 
-  // The data of the trial reach to `t`, which may be less than `restore` believed.
+  /**
+   * The data of the trial reach to `t`, which may be less than `restore` believed.
+   * @param {number} t
+   */
   reaches(t) {
     this.newest = t;
     if (this.following || this.t > t) this.moveTo(t);

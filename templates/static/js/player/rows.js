@@ -1,5 +1,6 @@
 // Whole rows of telemetry around the playhead, from the series API in windows that are as long as
 // the replay is fast: whatever the speed, a second of watching costs about twenty rows.
+/** @import { Between, Row, SeriesAnswer } from "../server_data.d.ts" */
 import { lastUntil } from "./samples.js";
 
 export const WINDOW_ROWS = 401;
@@ -12,33 +13,53 @@ const ALWAYS = [
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
 ];
 
-// The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
+/**
+ * The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
+ * @param {{name: string}[]} columns
+ * @returns {string[]}
+ */
 export function rowColumns(columns) {
   const names = columns.map(({ name }) => name);
   return names.filter((name) => ALWAYS.includes(name) || name.startsWith("thrust_"));
 }
 
+/**
+ * A part of a trial, with the rows that the API has chosen of it.
+ * @typedef {{trial: number, from: number, until: number, length: number} & SeriesAnswer} Window
+ */
+
 export class Rows {
+  /**
+   * @param {string} api
+   * @param {string[]} columns
+   */
   constructor(api, columns) {
     this.api = api;
     this.columns = columns;
-    this.windows = new Map(); // key -> {trial, from, until, length, t, values}
+    /** @type {Map<string, Window>} */
+    this.windows = new Map();
+    /** @type {Set<string>} */
     this.pending = new Set();
-    this.recent = { trial: 0, t: [], rows: [] };
+    this.recent = nothing(0);
     this.onRows = () => {};
   }
 
   clear() {
     this.windows.clear();
-    this.recent = { trial: 0, t: [], rows: [] };
+    this.recent = nothing(0);
   }
 
-  // Adds rows of the event stream, which names their columns.
+  /**
+   * Adds rows of the event stream, which names their columns.
+   * @param {number} trial
+   * @param {string[]} columns
+   * @param {(number | null)[][]} rows
+   */
   append(trial, columns, rows) {
-    if (trial !== this.recent.trial) this.recent = { trial, t: [], rows: [] };
+    if (trial !== this.recent.trial) this.recent = nothing(trial);
     const { t, rows: kept } = this.recent;
     for (const row of rows) {
-      const values = Object.fromEntries(columns.map((name, at) => [name, row[at]]));
+      const values = rowFrom(columns, row);
       if (t.length && values.t <= t[t.length - 1]) continue;
       t.push(values.t);
       kept.push(values);
@@ -49,7 +70,10 @@ export class Rows {
     }
   }
 
-  // Requests what is missing around the playhead; `onRows` is called when it has arrived.
+  /**
+   * Requests what is missing around the playhead; `onRows` is called when it has arrived.
+   * @param {{trial: number, t: number, speed: number, playing: boolean, following: boolean, newest: number}} playhead
+   */
   want({ trial, t, speed, playing, following, newest }) {
     if (following) return;
     const length = WINDOW_S * (playing ? Math.max(speed, 1) : 1);
@@ -60,6 +84,12 @@ export class Rows {
     if (share < 0.5 && index > 0) this.load(trial, index - 1, length, newest);
   }
 
+  /**
+   * @param {number} trial
+   * @param {number} index
+   * @param {number} length
+   * @param {number} newest
+   */
   async load(trial, index, length, newest) {
     const from = index * length;
     const key = `${trial}:${length}:${index}`;
@@ -71,19 +101,25 @@ export class Rows {
       const range = `&sample=rows&max_points=${WINDOW_ROWS}&start=${from}&stop=${from + length}`;
       const response = await fetch(`${this.api}/series.json?columns=${this.columns.join(",")}&trial=${trial}${range}`);
       if (!response.ok) return;
+      /** @type {SeriesAnswer} */
       const { t, columns } = await response.json();
       this.windows.delete(key); // the order of a Map is that of insertion: the oldest goes first
       if (t.length)
         this.windows.set(key, { trial, from, until: Math.max(newest, t[t.length - 1]), length, t, columns });
-      while (this.windows.size > WINDOWS_MAX) this.windows.delete(this.windows.keys().next().value);
+      while (this.windows.size > WINDOWS_MAX) this.windows.delete(this.windows.keys().next().value ?? "");
       this.onRows();
     } finally {
       this.pending.delete(key);
     }
   }
 
-  // The finest window with a row at or before time `t`.
+  /**
+   * The finest window with a row at or before time `t`.
+   * @param {number} trial
+   * @param {number} t
+   */
   windowAt(trial, t) {
+    /** @type {Window | null} */
     let best = null;
     for (const found of this.windows.values()) {
       const holds = found.trial === trial && found.from <= t + SAME_S && t <= found.from + found.length + SAME_S;
@@ -92,8 +128,13 @@ export class Rows {
     return best;
   }
 
-  // The row at or before time `t`, and where `t` lies between it and the next: {row, next, share}.
-  // Null while it has not arrived.
+  /**
+   * The row at or before time `t`, and where `t` lies between it and the next: {row, next, share}.
+   * Null while it has not arrived.
+   * @param {number} trial
+   * @param {number} t
+   * @returns {Between | null}
+   */
   at(trial, t) {
     const found = this.windowAt(trial, t);
     if (found) return between(found.t, t, (index) => this.rowOf(found, index));
@@ -102,14 +143,27 @@ export class Rows {
     return between(recent.t, t, (index) => recent.rows[index]);
   }
 
+  /**
+   * @param {Window} found
+   * @param {number} index
+   * @returns {Row}
+   */
   rowOf(found, index) {
+    /** @type {Row} */
     const row = { t: found.t[index] };
     for (const name of this.columns) row[name] = found.columns[name][index];
     return row;
   }
 
-  // Positions {t, x, y, z} of the same level up to time `t`, over at most `length` [s], oldest first.
+  /**
+   * Positions {t, x, y, z} of the same level up to time `t`, over at most `length` [s], oldest first.
+   * @param {number} trial
+   * @param {number} t
+   * @param {number} length
+   * @returns {Row[]}
+   */
   before(trial, t, length) {
+    /** @type {Row[]} */
     const rows = [];
     const found = [...this.windows.values()].filter(
       (one) => one.trial === trial && one.from <= t && one.from + one.length > t - length,
@@ -130,6 +184,29 @@ export class Rows {
   }
 }
 
+/**
+ * @param {number} trial
+ * @returns {{trial: number, t: number[], rows: Row[]}}
+ */
+function nothing(trial) {
+  return { trial, t: [], rows: [] };
+}
+
+/**
+ * @param {string[]} columns
+ * @param {(number | null)[]} values
+ * @returns {Row}
+ */
+function rowFrom(columns, values) {
+  return { t: 0, ...Object.fromEntries(columns.map((name, at) => [name, values[at]])) };
+}
+
+/**
+ * @param {number[]} times
+ * @param {number} t
+ * @param {(index: number) => Row} rowAt
+ * @returns {Between}
+ */
 function between(times, t, rowAt) {
   const low = lastUntil(times, t, SAME_S);
   const row = rowAt(low);

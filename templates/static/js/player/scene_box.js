@@ -1,20 +1,48 @@
 // The box of the 3-D scene on a page: loads three.js when it comes into sight, chooses the view, and says
 // so where there is no WebGL.
+/**
+ * @import { Between, Row, SceneData, SceneSource } from "../server_data.d.ts"
+ * @import { Memory } from "./memory.js"
+ * @import { SceneView } from "./scene/view.js"
+ */
+import { all, maybe, need } from "../dom.js";
 import { paced } from "./paced.js";
 
 const MODES = ["all", "follow", "target", "top", "camera", "free"];
 const WATER_MAX = 40; // scenes of levels kept
 
+/** @typedef {{found: Between, trail: () => Row[]}} Found what a scene shows of a run, and the rows before */
+
 export class SceneBox {
-  // data: {api, colour} of the run that is followed; ghosts: the same of other runs that are shown with it
+  /**
+   * data: {api, colour} of the run that is followed; ghosts: the same of other runs that are shown with it
+   * @param {HTMLElement} box
+   * @param {SceneSource} data
+   * @param {Pick<Memory, "get" | "set">} memory
+   * @param {SceneSource[]} [ghosts]
+   */
   constructor(box, data, memory, ghosts = []) {
-    Object.assign(this, { box, data, memory, ghosts, scenes: new Map(), onDraw: () => {} });
-    this.stage = box.querySelector("[data-stage]");
-    this.note = box.querySelector("[data-scene-note]");
-    this.pose = box.querySelector("[data-pose]");
+    this.box = box;
+    this.data = data;
+    this.memory = memory;
+    this.ghosts = ghosts;
+    /** @type {Map<string, SceneData>} */
+    this.scenes = new Map();
+    this.sceneKey = this.waterKey = this.solid = "";
+    /** @type {SceneView | null} */
+    this.view = null;
+    /** @type {(canvas: HTMLCanvasElement) => void} */
+    this.onDraw = () => {};
+    /** @type {[{trial: number, t: number}, Between, () => Row[], (Found | null)[]] | null} */
+    this.last = null;
+    /** @type {{trial: number, t: number} | null} */
+    this.shownAt = null;
+    this.stage = need(box, "[data-stage]", HTMLElement);
+    this.note = maybe(box, "[data-scene-note]", HTMLElement);
+    this.pose = maybe(box, "[data-pose]", HTMLElement);
     this.writePose = paced(() => this.showPose());
-    this.radios = [...box.querySelectorAll('input[name="view"]')];
-    this.fog = box.querySelector("[data-fog]");
+    this.radios = all(box, 'input[name="view"]', HTMLInputElement);
+    this.fog = maybe(box, "[data-fog]", HTMLInputElement);
     const mode = memory.get("view", "follow");
     this.mode = MODES.includes(mode) ? mode : "follow";
     for (const radio of this.radios) {
@@ -25,8 +53,9 @@ export class SceneBox {
       this.fog.checked = memory.get("fog", true);
       this.fog.addEventListener("change", () => this.setFog());
     }
-    for (const button of box.querySelectorAll("[data-move]"))
+    for (const button of all(box, "[data-move]", HTMLElement)) {
       button.addEventListener("click", () => this.move(button.dataset.move));
+    }
     const sight = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;
       sight.disconnect();
@@ -37,10 +66,10 @@ export class SceneBox {
 
   async load() {
     const scene = await import("./scene/view.js").catch(() => null);
-    const { canDraw, software } = scene?.graphics() ?? { canDraw: false };
+    const { canDraw, software } = scene?.graphics() ?? { canDraw: false, software: false };
     document.documentElement.classList.toggle("software-rendering", Boolean(software));
     let view = null;
-    if (canDraw) {
+    if (scene && canDraw) {
       try {
         view = new scene.SceneView(this.stage, { software, onDraw: (drawn) => this.drawn(drawn) });
       } catch {
@@ -66,6 +95,7 @@ export class SceneBox {
     if (this.last) this.show(...this.last);
   }
 
+  /** @param {string} mode */
   setMode(mode) {
     this.mode = mode;
     this.memory.set("view", mode);
@@ -78,26 +108,34 @@ export class SceneBox {
     this.view?.setTurbid(this.fog.checked);
   }
 
+  /** @param {string | undefined} how */
   move(how) {
-    const cameras = this.view?.cameras;
-    if (!cameras) return;
-    if (how === "in") cameras.zoom(0.8);
-    else if (how === "out") cameras.zoom(1.25);
+    const { view } = this;
+    if (!view) return;
+    if (how === "in") view.cameras.zoom(0.8);
+    else if (how === "out") view.cameras.zoom(1.25);
     else {
-      cameras.place();
-      if (this.view.last) this.view.show(this.view.last, 0);
+      view.cameras.place();
+      if (view.last) view.show(view.last, 0);
     }
-    this.view.request();
+    view.request();
   }
 
-  // found: {row, next, share} of the playhead; trail: () => the rows before it; ghosts: of each other run
-  // {found, trail}, or null where it has no telemetry
+  /**
+   * found: {row, next, share} of the playhead; trail: () => the rows before it; ghosts: of each other run
+   * {found, trail}, or null where it has no telemetry
+   * @param {{trial: number, t: number}} playhead
+   * @param {Between} found
+   * @param {() => Row[]} trail
+   * @param {(Found | null)[]} [ghosts]
+   */
   show(playhead, found, trail, ghosts = []) {
     this.last = [playhead, found, trail, ghosts];
     if (!this.view) return;
     const { trial, t } = playhead;
-    this.useScene(trial, found.row.level ?? 0);
-    const seconds = this.shownAt?.trial === trial ? Math.min(Math.max(t - this.shownAt.t, 0), 2) : 0;
+    this.useScene(this.view, trial, found.row.level ?? 0);
+    const { shownAt } = this;
+    const seconds = shownAt?.trial === trial ? Math.min(Math.max(t - shownAt.t, 0), 2) : 0;
     this.shownAt = { trial, t };
     const moments = [{ found, trail }, ...ghosts];
     this.view.show(
@@ -108,8 +146,13 @@ export class SceneBox {
     );
   }
 
-  // The scene of a level is requested once; until it has arrived the last one stays.
-  async useScene(trial, level) {
+  /**
+   * The scene of a level is requested once; until it has arrived the last one stays.
+   * @param {SceneView} view
+   * @param {number} trial
+   * @param {number} level
+   */
+  async useScene(view, trial, level) {
     const key = `${trial}:${level}`;
     if (this.sceneKey === key) return;
     this.sceneKey = key;
@@ -119,7 +162,7 @@ export class SceneBox {
     this.waterKey = key;
     const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.seabed]);
     if (solid === this.solid) {
-      this.view.setWater(scene.water, scene.light);
+      view.setWater(scene.water, scene.light);
       return;
     }
     const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, `trial=${trial}&level=0`)));
@@ -129,21 +172,29 @@ export class SceneBox {
       colour,
       shape: (index ? others[index - 1] : scene)?.vehicle ?? null,
     }));
+    /** @type {(part: string) => string} */
     const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
-    this.view.describe({ ...scene, vehicles }, { seabed: texture("seabed"), target: texture("target") });
-    this.view.setMode(this.mode);
+    view.describe({ ...scene, vehicles }, { seabed: texture("seabed"), target: texture("target") });
+    view.setMode(this.mode);
     this.setFog();
   }
 
+  /**
+   * @param {string} api
+   * @param {string} query
+   * @returns {Promise<SceneData | null>}
+   */
   async fetchScene(api, query) {
     const address = `${api}/scene.json?${query}`;
-    if (!this.scenes.has(address)) {
-      const response = await fetch(address);
-      if (!response.ok) return null;
-      if (this.scenes.size >= WATER_MAX) this.scenes.clear();
-      this.scenes.set(address, await response.json());
-    }
-    return this.scenes.get(address);
+    const known = this.scenes.get(address);
+    if (known) return known;
+    const response = await fetch(address);
+    if (!response.ok) return null;
+    if (this.scenes.size >= WATER_MAX) this.scenes.clear();
+    /** @type {SceneData} */
+    const scene = await response.json();
+    this.scenes.set(address, scene);
+    return scene;
   }
 
   // A key for each view, in their order on the page.
@@ -151,6 +202,7 @@ export class SceneBox {
     return Object.fromEntries(this.radios.map((radio, index) => [String(index + 1), () => radio.click()]));
   }
 
+  /** @param {SceneView} view */
   drawn({ canvas, pace: { scale } }) {
     this.onDraw(canvas);
     this.writePose();
@@ -161,8 +213,10 @@ export class SceneBox {
 
   // What the scene shows, read from its vehicle, in words.
   showPose() {
-    if (!this.pose) return;
-    const { position, rotation } = this.view.vehicle.group;
+    const vehicle = this.view?.vehicle;
+    if (!this.pose || !vehicle) return;
+    const { position, rotation } = vehicle.group;
+    /** @type {(value: number) => string} */
     const metres = (value) => value.toFixed(3).replace("-", "−");
     const heading = ((((rotation.z * 180) / Math.PI) % 360) + 360) % 360;
     this.pose.textContent = [
@@ -174,13 +228,29 @@ export class SceneBox {
   }
 }
 
-// Between two rows: positions linearly, angles along the shorter way.
-function poseBetween({ row, next, share }) {
-  const pose = {};
-  for (const name of ["x", "y", "z"]) pose[name] = row[name] + share * (next[name] - row[name]);
-  for (const name of ["roll", "pitch", "yaw"]) {
-    const turn = Math.atan2(Math.sin(next[name] - row[name]), Math.cos(next[name] - row[name]));
-    pose[name] = row[name] + share * turn;
-  }
-  return pose;
+/**
+ * Between two rows: positions linearly, angles along the shorter way.
+ * @param {Between} between
+ */
+export function poseBetween({ row, next, share }) {
+  /** @type {(name: string) => [number, number]} */
+  const both = (name) => [Number(row[name]), Number(next[name])];
+  /** @type {(name: string) => number} */
+  const along = (name) => {
+    const [from, to] = both(name);
+    return from + share * (to - from);
+  };
+  /** @type {(name: string) => number} */
+  const turned = (name) => {
+    const [from, to] = both(name);
+    return from + share * Math.atan2(Math.sin(to - from), Math.cos(to - from));
+  };
+  return {
+    x: along("x"),
+    y: along("y"),
+    z: along("z"),
+    roll: turned("roll"),
+    pitch: turned("pitch"),
+    yaw: turned("yaw"),
+  };
 }

@@ -1,10 +1,19 @@
 // The chart of metrics over levels: grows while the run is live, and marks the score.
+/**
+ * @import { CurveData } from "../server_data.d.ts"
+ * @import uPlot from "uplot"
+ */
+import { need } from "../dom.js";
 import { colour } from "../player/colours.js";
 
 const COLOURS = ["--chart-1", "--chart-2"];
 const HEIGHT = 220;
-const uPlot = window.uPlot;
+const { uPlot: Plot } = window;
 
+/**
+ * @param {CurveData} curve
+ * @returns {uPlot.Plugin}
+ */
 function marksPlugin(curve) {
   return {
     hooks: {
@@ -42,9 +51,13 @@ function marksPlugin(curve) {
 }
 
 export class Curve {
+  /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
-    this.data = box.nextElementSibling; // the part of the page with the data
+    const { nextElementSibling: data } = box;
+    if (!(data instanceof HTMLElement)) throw new Error("The chart has no data beside it.");
+    this.data = data; // the part of the page with the data
+    /** @type {uPlot | null} */
     this.plot = null;
     this.update();
     document.addEventListener("themechange", () => this.update());
@@ -59,6 +72,7 @@ export class Curve {
   update() {
     const text = this.data.querySelector("script")?.textContent;
     if (!text) return;
+    /** @type {CurveData} */
     const curve = JSON.parse(text);
     this.plot?.destroy();
     const container = document.createElement("div");
@@ -76,14 +90,14 @@ export class Curve {
     title.append(names, readout);
     container.className = "chart";
     container.setAttribute("role", "img");
-    container.setAttribute("aria-label", this.data.querySelector("p").textContent);
+    container.setAttribute("aria-label", need(this.data, "p", HTMLElement).textContent);
     this.box.replaceChildren(title, container);
     const axis = {
       stroke: colour("--text-2"),
       grid: { stroke: colour("--chart-grid"), width: 1 },
       ticks: { show: false },
     };
-    this.plot = new uPlot(
+    this.plot = new Plot(
       {
         width: this.width(),
         height: HEIGHT,
@@ -111,6 +125,11 @@ export class Curve {
     );
   }
 
+  /**
+   * @param {uPlot} plot
+   * @param {CurveData} curve
+   * @param {HTMLElement} output
+   */
   showValues(plot, curve, output) {
     const at = plot.cursor.idx;
     if (at === null || at === undefined || curve.x[at] === undefined) {

@@ -4,6 +4,7 @@
 const WARM_UP_S = 3; // until then the pace of a run says nothing
 const TRUST_PER_S = 0.03; // how fast the measured pace gets its weight
 
+/** @param {number} seconds */
 export function duration(seconds) {
   if (seconds < 9.95) return `${seconds.toFixed(1)} s`;
   if (seconds < 59.5) return `${Math.round(seconds)} s`;
@@ -13,7 +14,10 @@ export function duration(seconds) {
   return minutes % 60 ? `${Math.floor(minutes / 60)} h ${minutes % 60} min` : `${Math.floor(minutes / 60)} h`;
 }
 
-// As precisely as an estimate deserves.
+/**
+ * As precisely as an estimate deserves.
+ * @param {number} seconds
+ */
 export function about(seconds) {
   if (seconds < 55) return `${Math.max(5, 5 * Math.round(seconds / 5))} s`;
   const minutes = Math.max(1, Math.round(seconds / 60));
@@ -21,13 +25,23 @@ export function about(seconds) {
 }
 
 export class Estimate {
-  // left: what the server expects [s], NaN if it does not know
+  /**
+   * left: what the server expects [s], NaN if it does not know
+   * @param {number} [left]
+   */
   constructor(left = NaN) {
     this.left = left;
-    this.first = this.last = null;
+    /** @type {{progress: number, now: number} | null} */
+    this.first = null;
+    /** @type {number | null} */
+    this.last = null;
   }
 
-  // Takes the progress (0 to 1) at a time [s] into account; returns the time left [s], NaN if unknown.
+  /**
+   * Takes the progress (0 to 1) at a time [s] into account; returns the time left [s], NaN if unknown.
+   * @param {number} progress
+   * @param {number} now
+   */
   update(progress, now) {
     this.first ??= { progress, now };
     const passed = this.last === null ? 0 : now - this.last;

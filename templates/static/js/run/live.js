@@ -1,14 +1,24 @@
 // The events of a live run: the one place that knows their format.
+/**
+ * @import { PlayerData, RunListener } from "../server_data.d.ts"
+ * @import { Player } from "../player/player.js"
+ */
 
 const RETRY_MS = 5000; // after an error that the browser does not retry itself, such as a 503
 
-// Starts with the newest trial and with the output after that of the page; after an interruption, with
-// what came since the last event.
-// data: {api, events_after}; handle: {state, log, attempt, rows, end}, all but the last two optional
+/**
+ * Starts with the newest trial and with the output after that of the page; after an interruption, with
+ * what came since the last event.
+ * @param {Pick<PlayerData, "api" | "events_after">} data
+ * @param {RunListener} handle
+ * @param {string} [after]
+ * @param {string | null} [attempt]
+ */
 export function listen(data, handle, after = data.events_after, attempt = null) {
   let last = after;
   let shown = attempt;
   const events = new EventSource(`${data.api}/events?after=${after}`);
+  /** @type {(type: string, use?: (data: any) => void) => void} as the server sends them: server_data.d.ts */
   const on = (type, use) =>
     events.addEventListener(type, (event) => {
       if (event.lastEventId) last = event.lastEventId;
@@ -19,7 +29,7 @@ export function listen(data, handle, after = data.events_after, attempt = null) 
   });
   on("state", handle.state);
   on("log", handle.log);
-  on("telemetry", ({ columns, rows }) => {
+  on("telemetry", (/** @type {{columns: string[], rows: number[][]}} */ { columns, rows }) => {
     if (!rows.length) return;
     const [newest] = last.split("-"); // a run whose worker died starts again
     if (shown !== null && shown !== newest) handle.attempt();
@@ -34,10 +44,15 @@ export function listen(data, handle, after = data.events_after, attempt = null) 
 
 // Passes rows to the player: while it follows the run, also from trial to trial.
 export class RowFeed {
+  /** @param {Player} player */
   constructor(player) {
     this.player = player;
   }
 
+  /**
+   * @param {string[]} columns
+   * @param {number[][]} rows
+   */
   rows(columns, rows) {
     const at = columns.indexOf("trial");
     const newest = rows[rows.length - 1][at];
@@ -51,6 +66,10 @@ export class RowFeed {
   }
 }
 
+/**
+ * @param {Player} player
+ * @param {PlayerData} data
+ */
 export function followRows(player, data) {
   const feed = new RowFeed(player);
   listen(data, {

@@ -1,30 +1,50 @@
 // The run page: server-sent events while the run is live, its files afterwards. Names and logs are
 // inserted as text only, never as markup.
+/** @import { PlayerData, RunState } from "../server_data.d.ts" */
+import { all, dataOf, maybe, need } from "../dom.js";
 import { Player } from "../player/player.js";
 import { Curve } from "./curve.js";
 import { about, duration, Estimate } from "./estimate.js";
 import { listen, RowFeed } from "./live.js";
 
-const data = JSON.parse(document.getElementById("run-data").textContent);
-const part = (name) => document.querySelector(`[data-${name}]`);
-const player = new Player(document.querySelector("[data-player]"), data);
+/** @type {PlayerData} */
+const data = dataOf("run-data");
+/** @type {(name: string) => HTMLElement | null} */
+const part = (name) => maybe(document, `[data-${name}]`, HTMLElement);
+const player = new Player(need(document, "[data-player]", HTMLElement), data);
 const feed = new RowFeed(player);
-const curves = [...document.querySelectorAll("[data-curve-plot]")].map((box) => new Curve(box));
+const curves = all(document, "[data-curve-plot]", HTMLElement).map((box) => new Curve(box));
 let refreshing = 0;
 let estimate = newEstimate();
 
 function newEstimate() {
-  return new Estimate(Number.parseFloat(part("progress")?.dataset.left));
+  return new Estimate(Number.parseFloat(part("progress")?.dataset.left ?? ""));
 }
 
-// A state that was published knows only that the run waits; one that was read says also how long and why.
+/**
+ * @param {string} name
+ * @param {string} text
+ */
+/**
+ * @param {string} name
+ * @param {string} text
+ */
+function writeText(name, text) {
+  need(document, `[data-${name}]`, HTMLElement).textContent = text;
+}
+
+/**
+ * A state that was published knows only that the run waits; one that was read says also how long and why.
+ * @param {RunState} state
+ */
 function showQueue({ position, estimate_s: left, why_waiting: why }) {
   if (!position) return;
   const place = position === 1 ? "next" : `number ${position}`;
   const expected = typeof left === "number" ? ` It should end in about ${about(left)}.` : "";
-  part("state-sentence").textContent = `This run is ${place} in the queue.${expected} ${why ?? ""}`.trim();
+  writeText("state-sentence", `This run is ${place} in the queue.${expected} ${why ?? ""}`.trim());
 }
 
+/** @param {RunState} state */
 function showState(state) {
   if (state.viewers) player.camera.viewers = state.viewers;
   const badge = part("state-badge")?.firstElementChild;
@@ -36,22 +56,31 @@ function showState(state) {
   if (typeof state.progress === "number") showProgress(state.progress, state.t_simulated);
 }
 
-// Both state events (every few seconds) and telemetry (several times a second) move the bar.
+/**
+ * Both state events (every few seconds) and telemetry (several times a second) move the bar.
+ * @param {number} progress
+ * @param {number | undefined} simulated
+ */
 function showProgress(progress, simulated) {
-  const bar = part("progress");
+  const bar = maybe(document, "[data-progress]", HTMLProgressElement);
   if (!bar || progress <= bar.value) return;
   bar.value = progress;
-  part("progress-text").textContent = `${Math.round(progress * 100)} %`;
-  if (typeof simulated === "number") part("simulated").textContent = duration(simulated);
+  writeText("progress-text", `${Math.round(progress * 100)} %`);
+  if (typeof simulated === "number") writeText("simulated", duration(simulated));
   const left = estimate.update(progress, performance.now() / 1000);
-  if (left > 1) part("state-sentence").textContent = `Running, about ${about(left)} left.`;
+  if (left > 1) writeText("state-sentence", `Running, about ${about(left)} left.`);
 }
 
+/**
+ * @param {string[]} columns
+ * @param {number[]} row
+ */
 function showTelemetryProgress(columns, row) {
   const at = row[columns.indexOf("trial")] * data.trial_s + row[columns.indexOf("t")];
   showProgress(at / (data.trials * data.trial_s), at);
 }
 
+/** @param {string} text */
 function appendLog(text) {
   const log = part("log");
   if (!log || !text) return;
@@ -59,21 +88,24 @@ function appendLog(text) {
   log.append(text);
   if (log.textContent.length > 200000) log.textContent = log.textContent.slice(-150000);
   if (atEnd) log.scrollTop = log.scrollHeight;
-  part("log-empty").hidden = true;
+  need(document, "[data-log-empty]", HTMLElement).hidden = true;
 }
 
 function showEndOfLog() {
-  for (const log of document.querySelectorAll(".log")) log.scrollTop = log.scrollHeight;
+  for (const log of all(document, ".log", HTMLElement)) log.scrollTop = log.scrollHeight;
 }
 
-// Replaces the parts rendered by the server with those of a fresh copy of this page: all, or those
-// whose names begin alike.
+/**
+ * Replaces the parts rendered by the server with those of a fresh copy of this page: all, or those
+ * whose names begin alike.
+ * @param {string | null} [only]
+ */
 async function refresh(only = null) {
   const sequence = only ? refreshing : ++refreshing;
   const response = await fetch(location.pathname, { credentials: "same-origin" });
   if (!response.ok || sequence !== refreshing) return;
   const fresh = new DOMParser().parseFromString(await response.text(), "text/html");
-  for (const old of document.querySelectorAll(only ? `[data-part^="${only}"]` : "[data-part]")) {
+  for (const old of all(document, only ? `[data-part^="${only}"]` : "[data-part]", HTMLElement)) {
     const next = fresh.querySelector(`[data-part="${old.dataset.part}"]`);
     if (next) old.replaceChildren(...next.childNodes);
   }
@@ -88,9 +120,11 @@ async function refresh(only = null) {
 // watch, since the server renders it for each.
 const CURVE_INTERVAL_MS = 2000;
 const CURVE_VIEWER_INTERVAL_MS = 100;
+/** @type {number | null} */
 let level = null;
 let curveScheduled = false;
 
+/** @param {number} newest */
 function followLevel(newest) {
   if (newest === level || !part("curve-plot")) return;
   const first = level === null;
@@ -135,8 +169,9 @@ let logHasGap = false;
 async function loadLog() {
   const response = await fetch(`${data.api}/log`, { credentials: "same-origin" });
   if (!response.ok) return;
-  if (!part("log")) return; // it failed: the page shows the last lines beside the cause
-  part("log").textContent = "";
+  const log = part("log");
+  if (!log) return; // it failed: the page shows the last lines beside the cause
+  log.textContent = "";
   appendLog(await response.text());
 }
 

@@ -1,24 +1,30 @@
 // The list of runs: how many are selected, and which buttons fit that number.
+import { all, maybe, need } from "../dom.js";
 
-const form = document.querySelector("[data-runs]");
-const boxes = [...(form?.querySelectorAll('input[name="runs"]') ?? [])];
-const every = form?.querySelector("[data-every]");
-
-function show() {
+/**
+ * @param {HTMLFormElement} form
+ * @param {HTMLInputElement[]} boxes
+ * @param {HTMLInputElement} every
+ */
+function showCount(form, boxes, every) {
   const count = boxes.filter((box) => box.checked).length;
-  form.querySelector("[data-selected]").textContent = count ? `${count} selected` : "";
-  for (const button of form.querySelectorAll('button[type="submit"]')) {
+  need(form, "[data-selected]", HTMLElement).textContent = count ? `${count} selected` : "";
+  for (const button of all(form, 'button[type="submit"]', HTMLButtonElement)) {
     button.disabled = count < Number(button.dataset.from ?? 1) || count > Number(button.dataset.to ?? Infinity);
   }
-  const all = every.querySelector("input");
-  all.checked = count === boxes.length;
-  all.indeterminate = count > 0 && count < boxes.length;
+  every.checked = count === boxes.length;
+  every.indeterminate = count > 0 && count < boxes.length;
 }
 
+const form = maybe(document, "[data-runs]", HTMLFormElement);
 if (form) {
-  every.hidden = false;
-  every.addEventListener("change", (event) => {
-    for (const box of boxes) box.checked = event.target.checked;
+  const boxes = all(form, 'input[name="runs"]', HTMLInputElement);
+  const label = need(form, "[data-every]", HTMLElement);
+  const every = need(label, "input", HTMLInputElement);
+  const show = () => showCount(form, boxes, every);
+  label.hidden = false;
+  every.addEventListener("change", () => {
+    for (const box of boxes) box.checked = every.checked;
     show();
   });
   form.addEventListener("change", show);

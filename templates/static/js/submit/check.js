@@ -1,8 +1,20 @@
 // The check button: sends the program to /api/v1/checks and shows the report below the editor.
+/**
+ * @import { Check, Problem, RunForm } from "../server_data.d.ts"
+ * @import { MountedEditor } from "./editor.js"
+ */
+import { maybe, need } from "../dom.js";
 
 const URL_CHECKS = "/api/v1/checks";
 const TIMEOUT_MS = 90_000;
 
+/**
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {string} [className]
+ * @param {string} [text]
+ * @returns {HTMLElementTagNameMap[K]}
+ */
 function element(tag, className, text) {
   const created = document.createElement(tag);
   if (className) created.className = className;
@@ -10,27 +22,42 @@ function element(tag, className, text) {
   return created;
 }
 
+/** @param {number} ms */
 function sleep(ms) {
   return new Promise((resolve) => {
     setTimeout(resolve, ms);
   });
 }
 
-// Returns the chosen file, or the text of the editor as a file.
+/**
+ * Returns the chosen file, or the text of the editor as a file.
+ * @param {RunForm} form
+ * @returns {File | undefined}
+ */
 export function programFile(form) {
-  if (form.elements.source.value !== "editor") return form.elements.program.files[0];
+  if (form.elements.source.value !== "editor") return form.elements.program.files?.[0];
   const language = form.elements.language.value;
-  const template = form.querySelector(`[data-program-template="${CSS.escape(language)}"]`);
-  return new File([form.elements.program_text.value], template.dataset.file);
+  const template = need(form, `[data-program-template="${CSS.escape(language)}"]`, HTMLTemplateElement);
+  return new File([form.elements.program_text.value], template.dataset.file ?? "");
 }
 
+/**
+ * @param {Response} response
+ * @returns {Promise<Check>}
+ */
 async function readJson(response) {
   const body = await response.json();
   if (response.ok) return body;
-  const details = [body.detail, ...(body.errors ?? []).map((error) => error.detail)];
+  const details = [body.detail, ...(body.errors ?? []).map((/** @type {{detail: string}} */ error) => error.detail)];
   throw new Error([...new Set(details.filter(Boolean))].join(" "));
 }
 
+/**
+ * @param {RunForm} form
+ * @param {string} benchmark
+ * @param {Record<string, unknown>} config
+ * @param {File} program
+ */
 async function requestCheck(form, benchmark, config, program) {
   const body = new FormData();
   body.set("run", JSON.stringify({ benchmark, config }));
@@ -49,26 +76,37 @@ async function requestCheck(form, benchmark, config, program) {
   return check;
 }
 
+/**
+ * @param {Problem} problem
+ * @param {MountedEditor | null} editor
+ */
 function problemItem(problem, editor) {
   const item = element("li");
   const location = [problem.file, problem.line && `line ${problem.line}`].filter(Boolean).join(", ");
-  if (location && editor && problem.line) {
+  const { line } = problem;
+  if (location && editor && line) {
     const button = element("button", "check-line", location);
     button.type = "button";
-    button.addEventListener("click", () => editor.goTo(problem.line));
+    button.addEventListener("click", () => editor.goTo(line));
     item.append(button, " ");
   } else if (location) item.append(element("strong", "", location), " ");
   item.append((problem.warning ? "Warning: " : "") + problem.sentence);
   return item;
 }
 
+/**
+ * @param {string} title
+ * @param {string} text
+ */
 function details(title, text) {
   const created = element("details");
-  created.append(element("summary", "", title), element("pre", "", text));
-  created.lastChild.tabIndex = 0;
+  const output = element("pre", "", text);
+  output.tabIndex = 0;
+  created.append(element("summary", "", title), output);
   return created;
 }
 
+/** @param {Check} check */
 function verdict(check) {
   if (!check.ok) return "The program does not run:";
   const steps = check.step_us;
@@ -80,6 +118,11 @@ function verdict(check) {
   return `The program runs. ${time}${check.problems.length ? "Warnings:" : ""}`;
 }
 
+/**
+ * @param {HTMLElement} container
+ * @param {Check} check
+ * @param {MountedEditor | null} editor
+ */
 function showReport(container, check, editor) {
   const type = check.ok ? (check.problems.length ? "warn" : "good") : "bad";
   const box = element("div", `notice ${type}`);
@@ -96,13 +139,23 @@ function showReport(container, check, editor) {
   container.replaceChildren(box);
 }
 
+/**
+ * @param {RunForm} form
+ * @param {{configuration: () => Record<string, unknown>}} settings
+ * @param {() => Promise<MountedEditor | null>} openEditor
+ */
 export function startCheck(form, settings, openEditor) {
-  const bar = form.querySelector("[data-check-bar]");
+  const bar = maybe(form, "[data-check-bar]", HTMLElement);
   if (!bar) return;
-  const button = bar.querySelector("[data-check]");
-  const label = button.querySelector("[data-label]");
-  const container = document.getElementById("check-report");
+  const button = need(bar, "[data-check]", HTMLButtonElement);
+  const label = need(button, "[data-label]", HTMLElement);
+  const container = need(document, "#check-report", HTMLElement);
+  const { benchmark = "" } = bar.dataset;
 
+  /**
+   * @param {string} text
+   * @param {string} type
+   */
   function showNotice(text, type) {
     const box = element("div", `notice ${type}`);
     box.append(element("p", "", text));
@@ -130,11 +183,11 @@ export function startCheck(form, settings, openEditor) {
     try {
       const editor = await openEditor();
       editor?.mark([]);
-      const check = await requestCheck(form, bar.dataset.benchmark, settings.configuration(), program);
+      const check = await requestCheck(form, benchmark, settings.configuration(), program);
       showReport(container, check, editor);
       editor?.mark(check.problems.filter((problem) => problem.line));
     } catch (error) {
-      showNotice(error.message || "The check failed.", "bad");
+      showNotice((error instanceof Error && error.message) || "The check failed.", "bad");
     }
     label.textContent = before;
     button.removeAttribute("aria-disabled");

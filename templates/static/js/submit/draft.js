@@ -1,22 +1,44 @@
 // Keeps the contents of the form when the user visits another page, signs in, or submits an expired
 // form. The draft is stored for this tab and deleted once a run has been started.
 
+/** @typedef {HTMLInputElement | HTMLSelectElement | HTMLTextAreaElement} Saved */
+/** @typedef {[string, string, boolean | null]} Entry name, value, and whether it is checked if it can be */
+/** @typedef {{entries: Entry[], sent: boolean}} Draft */
+
+/**
+ * @param {Element} input
+ * @returns {input is Saved}
+ */
 function isSaved(input) {
-  return input.name && input.type !== "file" && input.type !== "hidden" && !input.matches("button");
+  const kinds = [HTMLInputElement, HTMLSelectElement, HTMLTextAreaElement];
+  const control = kinds.some((kind) => input instanceof kind) ? /** @type {Saved} */ (input) : null;
+  return Boolean(control?.name) && control?.type !== "file" && control?.type !== "hidden";
 }
 
+/**
+ * @param {Saved} input
+ * @returns {input is HTMLInputElement}
+ */
 function isCheckable(input) {
   return input.type === "checkbox" || input.type === "radio";
 }
 
+/**
+ * @param {string} key
+ * @returns {Draft | null}
+ */
 function read(key) {
   try {
-    return JSON.parse(sessionStorage.getItem(key));
+    return JSON.parse(sessionStorage.getItem(key) ?? "null");
   } catch {
     return null; // storage is not available, or holds the format of an older version
   }
 }
 
+/**
+ * @param {string} key
+ * @param {Draft | null} draft
+ */
 function write(key, draft) {
   try {
     if (draft) sessionStorage.setItem(key, JSON.stringify(draft));
@@ -26,11 +48,19 @@ function write(key, draft) {
   }
 }
 
+/**
+ * @param {HTMLFormElement} form
+ * @returns {Entry[]}
+ */
 function entriesOf(form) {
   const inputs = [...form.elements].filter(isSaved);
   return inputs.map((input) => [input.name, input.value, isCheckable(input) ? input.checked : null]);
 }
 
+/**
+ * @param {HTMLFormElement} form
+ * @param {Entry[]} entries
+ */
 function restoreEntries(form, entries) {
   const inputs = [...form.elements].filter(isSaved);
   for (const [name, value, checked] of entries) {
@@ -38,12 +68,18 @@ function restoreEntries(form, entries) {
       const input = inputs.find((one) => one.name === name);
       if (input) input.value = value;
     } else {
-      const input = inputs.find((one) => one.name === name && (one.type === "checkbox" || one.value === value));
+      const input = inputs
+        .filter(isCheckable)
+        .find((one) => one.name === name && (one.type === "checkbox" || one.value === value));
       if (input && !input.disabled) input.checked = checked;
     }
   }
 }
 
+/**
+ * @param {HTMLFormElement} form
+ * @param {string} key
+ */
 function showNotice(form, key) {
   const notice = document.createElement("div");
   notice.className = "notice";
@@ -64,7 +100,10 @@ function showNotice(form, key) {
   form.before(notice);
 }
 
-// Restores an earlier draft unless the server has filled in the form; returns whether it did.
+/**
+ * Restores an earlier draft unless the server has filled in the form; returns whether it did.
+ * @param {HTMLFormElement} form
+ */
 export function startDraft(form) {
   const key = `draft ${location.pathname}`;
   const draft = read(key);
@@ -73,7 +112,7 @@ export function startDraft(form) {
   const returned = document.referrer && new URL(document.referrer).pathname === location.pathname;
   const restore = Boolean(draft && !filledByServer && (!draft.sent || returned));
   write(key, null);
-  if (restore) {
+  if (restore && draft) {
     restoreEntries(form, draft.entries);
     showNotice(form, key);
   }

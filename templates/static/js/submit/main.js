@@ -1,5 +1,7 @@
 // The form of a new run. It works without this script, which adds presets, the editor, the check, drag
 // and drop, hiding what a ranked run does not use, and downloading the configuration.
+/** @import { RunForm } from "../server_data.d.ts" */
+import { all, isNamed, maybe, need } from "../dom.js";
 import { programFile, startCheck } from "./check.js";
 import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
@@ -10,47 +12,48 @@ import { startUpload } from "./upload.js";
 
 const SENDING_MS = 4000; // for which a second click on the button is ignored
 
-const form = document.getElementById("run-form");
+const form = /** @type {RunForm} */ (need(document, "form#run-form", HTMLFormElement));
 const settings = new Settings(form);
 
 function showKind() {
   const { ranked } = settings;
-  for (const field of form.querySelectorAll("[data-practice]")) {
+  for (const field of all(form, "[data-practice]", HTMLElement)) {
     field.hidden = ranked;
-    field.querySelector("input").disabled = ranked;
+    need(field, "input", HTMLInputElement).disabled = ranked;
   }
-  const note = form.querySelector("[data-ranked-note]");
+  const note = maybe(form, "[data-ranked-note]", HTMLElement);
   if (note) {
     note.hidden = !ranked;
     const titles = settings.unused().map((input) => settings.titleOf(input));
-    note.querySelector("[data-ranked-unused]").textContent =
+    need(note, "[data-ranked-unused]", HTMLElement).textContent =
       titles.length === 0
         ? ""
         : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
   }
   const runs = sweepRuns(form);
-  form.querySelector("[data-submit-label]").textContent = ranked
+  need(form, "[data-submit-label]", HTMLElement).textContent = ranked
     ? "Start ranked run"
     : runs > 1
       ? `Start ${runs} runs`
       : "Start run";
-  const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling.textContent ?? "";
+  const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling?.textContent ?? "";
   const parts = [solution, ranked ? "ranked" : "practice", settings.summary()];
-  form.querySelector("[data-summary]").textContent = parts.filter(Boolean).join(" · ");
+  need(form, "[data-summary]", HTMLElement).textContent = parts.filter(Boolean).join(" · ");
 }
 
 // Says in the form of an assignment that nobody has changed the program in the editor yet.
 function showStarterNote() {
-  const note = form.querySelector("[data-starter-note]");
+  const note = maybe(form, "[data-starter-note]", HTMLElement);
   const { controller, source, language, program_text: text } = form.elements;
   if (!note || !text) return;
-  const starter = form.querySelector(`[data-program-template="${CSS.escape(language.value)}"]`);
+  const starter = maybe(form, `[data-program-template="${CSS.escape(language.value)}"]`, HTMLTemplateElement);
   note.hidden =
     controller.value !== "upload" ||
     source.value !== "editor" ||
-    text.value.trim() !== starter?.content.textContent.trim();
+    text.value.trim() !== starter?.content.textContent?.trim();
 }
 
+/** @param {string} name */
 function download(name) {
   const text = `${JSON.stringify(settings.configuration(), null, 2)}\n`;
   const link = document.createElement("a");
@@ -66,33 +69,33 @@ form.addEventListener("input", () => {
   showStarterNote();
 });
 form.addEventListener("change", (event) => {
-  if (event.target.name in settings.presets) settings.applyPresets();
+  if (isNamed(event.target, ...Object.keys(settings.presets))) settings.applyPresets();
   else settings.update();
   showKind();
   showStarterNote();
 });
 form.addEventListener("submit", (event) => {
-  const button = form.querySelector("button[type=submit]");
+  const button = need(form, "button[type=submit]", HTMLButtonElement);
   if (button.getAttribute("aria-disabled") === "true") event.preventDefault();
   button.setAttribute("aria-disabled", "true");
   setTimeout(() => button.removeAttribute("aria-disabled"), SENDING_MS);
 });
 
-for (const button of form.querySelectorAll("[data-reset], [data-download-config]")) {
+for (const button of all(form, "[data-reset], [data-download-config]", HTMLElement)) {
   button.hidden = false;
   button.addEventListener("click", () => {
     if ("reset" in button.dataset) {
       settings.reset();
       showKind();
-    } else download(button.dataset.downloadConfig);
+    } else download(button.dataset.downloadConfig ?? "");
   });
 }
-const points = form.querySelector("[data-starting-points]");
+const points = maybe(form, "[data-starting-points]", HTMLElement);
 if (points) {
   points.addEventListener("click", ({ target }) => {
-    const name = target.dataset.startingPoint;
+    const name = target instanceof HTMLElement ? target.dataset.startingPoint : undefined;
     if (!name) return;
-    points.querySelector("[data-preset-note]").textContent = settings.togglePoint(name);
+    need(points, "[data-preset-note]", HTMLElement).textContent = settings.togglePoint(name);
     showKind();
   });
 }
@@ -104,7 +107,7 @@ const editor = startEditor(form);
 startCheck(form, settings, editor);
 startUpload(form);
 startSweep(form);
-startParameters(form, form.dataset.benchmark, programFile);
+startParameters(form, form.dataset.benchmark ?? "", programFile);
 showKind();
 showStarterNote();
 document.getElementById("problems")?.focus();

@@ -1,64 +1,106 @@
 // The settings of the form: presets, what differs from the defaults, and what has an effect.
+/** @import { RunForm, SettingValue, StartingPoint } from "../server_data.d.ts" */
+import { all, around, dataOf, maybe, need } from "../dom.js";
 
 import { parameterValues } from "./parameters.js";
 
+/** @typedef {HTMLInputElement | HTMLSelectElement} Input */
+
+/** @param {SettingValue | undefined} value */
 function textOf(value) {
   return Array.isArray(value) ? value.join(", ") : String(value);
 }
 
+/** @param {Input} input */
 export function valueOfInput(input) {
-  return input.type === "checkbox" ? String(input.checked) : input.value;
+  return input instanceof HTMLInputElement && input.type === "checkbox" ? String(input.checked) : input.value;
 }
 
+/**
+ * @param {Input} input
+ * @param {string} text
+ */
 function setValue(input, text) {
-  if (input.type === "checkbox") input.checked = text === "true";
+  if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = text === "true";
   else input.value = text;
 }
 
-function json(id) {
-  return JSON.parse(document.getElementById(id).textContent);
+/** @param {Input} input */
+function defaultOf(input) {
+  return input.dataset.default ?? "";
 }
 
+/**
+ * What the form shows of a setting: the input with its label.
+ * @param {Input} input
+ */
+function fieldOf(input) {
+  const field = input.closest("[data-field]");
+  if (!(field instanceof HTMLElement)) throw new Error(`The setting ${input.name} has no field.`);
+  return field;
+}
+
+/** @param {number} count */
 function changedText(count) {
   return `${count} ${count === 1 ? "setting" : "settings"} changed`;
 }
 
+/**
+ * @param {Element} element
+ * @returns {Input[]}
+ */
+function asInput(element) {
+  return element instanceof HTMLInputElement || element instanceof HTMLSelectElement ? [element] : [];
+}
+
 export class Settings {
+  /** @param {RunForm} form */
   constructor(form) {
     this.form = form;
-    this.inputs = [...form.querySelectorAll("[data-default]")];
-    this.defaults = json("defaults");
-    this.presets = json("presets");
-    this.points = json("starting-points");
-    this.fixed = json("fixed"); // by the assignment; its fields are there, hidden, for the conditions of others
-    this.groups = [...form.querySelectorAll("details.group")];
+    this.inputs = all(form, "[data-default]", HTMLElement).flatMap(asInput);
+    /** @type {Record<string, SettingValue>} */
+    this.defaults = dataOf("defaults");
+    /** @type {Record<string, Record<string, Record<string, SettingValue>>>} by setting and its choice */
+    this.presets = dataOf("presets");
+    /** @type {Record<string, StartingPoint>} */
+    this.points = dataOf("starting-points");
+    // By the assignment; its fields are there, hidden, for the conditions of others.
+    /** @type {Record<string, SettingValue>} */
+    this.fixed = dataOf("fixed");
+    this.groups = all(form, "details.group", HTMLDetailsElement);
     // By a person, before this script ran: they stay so. The server marks those that it unfolds.
     this.unfolded = new Set(this.groups.filter((group) => group.open && !("unfolded" in group.dataset)));
     form.classList.add("brief");
-    for (const button of form.querySelectorAll("[data-more]")) {
+    for (const button of all(form, "[data-more]", HTMLElement)) {
       button.addEventListener("click", () => {
-        const group = button.closest(".group");
+        const group = button.closest(".group") ?? form;
         group.classList.remove("partial");
         button.hidden = true;
-        group.querySelector(".field:not([hidden]) :is(input, select)")?.focus();
+        maybe(group, ".field:not([hidden]) :is(input, select)", HTMLElement)?.focus();
       });
     }
   }
 
+  /** @param {Input} input */
   differs(input) {
     return valueOfInput(input).trim() !== input.dataset.default;
   }
 
-  // Inputs that differ from their defaults, have an effect, and are sent.
+  /**
+   * Inputs that differ from their defaults, have an effect, and are sent.
+   * @param {Element} [within]
+   */
   changed(within = this.form) {
-    return this.inputs.filter(
-      (input) => within.contains(input) && this.differs(input) && !input.closest("[data-field]").hidden,
-    );
+    return this.inputs.filter((input) => within.contains(input) && this.differs(input) && !fieldOf(input).hidden);
   }
 
-  // Unchanged inputs follow the presets of other choices, such as the vehicle; changed ones keep
-  // their values. The values of a restored draft are all kept.
+  /**
+   * Unchanged inputs follow the presets of other choices, such as the vehicle; changed ones keep
+   * their values. The values of a restored draft are all kept.
+   * @param {{keepValues?: boolean}} [options]
+   */
   applyPresets({ keepValues = false } = {}) {
+    /** @type {Record<string, SettingValue>} */
     const preset = {};
     for (const [name, choices] of Object.entries(this.presets)) {
       Object.assign(preset, choices[valueOfInput(this.form.elements[name])] ?? {});
@@ -67,27 +109,27 @@ export class Settings {
       if (input.name in this.presets) continue;
       const unchanged = !keepValues && !this.differs(input);
       input.dataset.default = textOf(preset[input.name] ?? this.defaults[input.name]);
-      if (unchanged) setValue(input, input.dataset.default);
+      if (unchanged) setValue(input, defaultOf(input));
     }
     this.update();
   }
 
   // Opens the groups with changed settings, and shows only those in them.
   fold() {
-    for (const field of this.form.querySelectorAll("[data-field]")) {
-      const input = field.querySelector("[data-default]");
+    for (const field of all(this.form, "[data-field]", HTMLElement)) {
+      const [input] = all(field, "[data-default]", HTMLElement).flatMap(asInput);
       field.classList.toggle("shown", this.differs(input) || Boolean(field.querySelector(".error")));
     }
     for (const group of this.groups) {
       if (this.unfolded.delete(group)) continue;
       const shown = group.querySelectorAll(".field.shown:not([hidden])").length;
       const all = group.querySelectorAll("[data-field]:not([hidden])").length;
-      const more = group.querySelector("[data-more]");
+      const more = need(group, "[data-more]", HTMLElement);
       group.open = shown > 0;
       group.classList.toggle("partial", shown > 0 && shown < all);
       more.hidden = shown === 0 || shown === all;
       more.textContent = `Show all ${all} settings of this group`;
-      const advanced = group.querySelector("details.advanced");
+      const advanced = maybe(group, "details.advanced", HTMLDetailsElement);
       if (advanced) advanced.open = advanced.querySelector(".field.shown") !== null;
     }
   }
@@ -95,21 +137,25 @@ export class Settings {
   // Hides settings that have no effect with the other choices, unless they have an error. A ranked
   // run refuses them: they are not sent.
   showApplicable() {
+    /** @type {(name: string) => string} */
     const chosen = (name) => (name === "tracker" && this.hasOwnTracker ? "" : valueOfInput(this.form.elements[name]));
-    for (const field of this.form.querySelectorAll("[data-applies], [data-field=tracker]")) {
+    for (const field of all(this.form, "[data-applies], [data-field=tracker]", HTMLElement)) {
+      /** @type {[string, string[]][]} */
       const conditions = Object.entries(JSON.parse(field.dataset.applies ?? "{}"));
       const applies =
         conditions.every(([name, values]) => values.includes(chosen(name))) &&
         !(field.dataset.field === "tracker" && this.hasOwnTracker);
       field.hidden = !applies && !field.querySelector(".error");
-      const condition = field.querySelector("[data-only]");
+      const condition = maybe(field, "[data-only]", HTMLElement);
       if (condition) condition.hidden = applies;
-      for (const input of field.querySelectorAll("input, select")) input.disabled = this.ranked && !applies;
+      for (const input of all(field, "input, select", HTMLElement).flatMap(asInput))
+        input.disabled = this.ranked && !applies;
     }
-    for (const section of this.form.querySelectorAll("details.advanced, details.group")) {
+    for (const section of all(this.form, "details.advanced, details.group", HTMLDetailsElement)) {
       const count = section.querySelectorAll("[data-field]:not([hidden])").length;
       section.hidden = count === 0 || this.isUnused(section);
-      if (section.classList.contains("advanced")) section.querySelector("[data-count]").textContent = count;
+      if (section.classList.contains("advanced"))
+        need(section, "[data-count]", HTMLElement).textContent = String(count);
     }
   }
 
@@ -122,26 +168,29 @@ export class Settings {
     return this.form.elements.kind.value === "ranked";
   }
 
-  // Ranked runs have the benchmark's own scenario, and assignments fix it: those settings are
-  // neither shown nor sent.
+  /**
+   * Ranked runs have the benchmark's own scenario, and assignments fix it: those settings are
+   * neither shown nor sent.
+   * @param {HTMLElement} section
+   */
   isUnused(section) {
     return "locked" in section.dataset || (this.ranked && section.dataset.role === "scenario");
   }
 
   update() {
-    for (const group of this.groups) group.querySelector("fieldset").disabled = this.isUnused(group);
+    for (const group of this.groups) need(group, "fieldset", HTMLFieldSetElement).disabled = this.isUnused(group);
     this.showApplicable();
     for (const input of this.inputs) {
       document.getElementById(`${input.name}-label`)?.classList.toggle("changed", this.differs(input));
     }
     for (const group of this.groups) {
       const count = this.changed(group).length;
-      const badge = group.querySelector("[data-group-count]");
+      const badge = need(group, "[data-group-count]", HTMLElement);
       badge.hidden = count === 0;
       badge.textContent = `${count} changed`;
     }
     const total = this.used().length;
-    const badge = this.form.querySelector("[data-changed-count]");
+    const badge = need(this.form, "[data-changed-count]", HTMLElement);
     badge.hidden = total === 0;
     badge.textContent = changedText(total);
     this.markPoints();
@@ -155,8 +204,9 @@ export class Settings {
     return this.changed().filter((input) => input.matches(":disabled"));
   }
 
+  /** @param {Input} input */
   titleOf(input) {
-    return document.getElementById(`${input.name}-label`).firstChild.textContent.trim();
+    return document.getElementById(`${input.name}-label`)?.firstChild?.textContent?.trim() ?? "";
   }
 
   summary() {
@@ -164,6 +214,7 @@ export class Settings {
     return total === 0 ? "default settings" : changedText(total);
   }
 
+  /** @param {StartingPoint} point */
   isApplied(point) {
     const { controller } = this.form.elements;
     return (
@@ -175,20 +226,23 @@ export class Settings {
   }
 
   markPoints() {
-    for (const button of this.form.querySelectorAll("[data-starting-point]")) {
-      const point = this.points[button.dataset.startingPoint];
+    for (const button of all(this.form, "[data-starting-point]", HTMLElement)) {
+      const point = this.points[button.dataset.startingPoint ?? ""];
       button.setAttribute("aria-pressed", String(this.isApplied(point)));
       button.hidden =
         this.ranked &&
         Object.keys(point.config).some(
-          (name) => this.form.elements[name].closest("[data-role]").dataset.role === "scenario",
+          (name) => around(this.form.elements[name], "[data-role]", HTMLElement)?.dataset.role === "scenario",
         );
     }
-    const presets = this.form.querySelector("[data-starting-points]");
+    const presets = maybe(this.form, "[data-starting-points]", HTMLElement);
     if (presets) presets.hidden = !presets.querySelector("[data-starting-point]:not([hidden])");
   }
 
-  // Fills in a preset, or takes it back if it is applied already.
+  /**
+   * Fills in a preset, or takes it back if it is applied already.
+   * @param {string} name
+   */
   togglePoint(name) {
     const point = this.points[name];
     const applied = this.isApplied(point);
@@ -201,7 +255,8 @@ export class Settings {
     }
     if (point.built_in && !applied) {
       this.form.elements.controller.value = point.built_in;
-      this.form.querySelector("[name=controller]:checked").dispatchEvent(new Event("change", { bubbles: true }));
+      const chosen = need(this.form, "[name=controller]:checked", HTMLInputElement);
+      chosen.dispatchEvent(new Event("change", { bubbles: true }));
     }
     this.update();
     this.fold();
@@ -214,18 +269,19 @@ export class Settings {
     }
     this.applyPresets({ keepValues: true });
     for (const input of this.inputs) {
-      if (!(input.name in this.fixed)) setValue(input, input.dataset.default);
+      if (!(input.name in this.fixed)) setValue(input, defaultOf(input));
     }
     this.update();
     this.fold();
   }
 
   configuration() {
+    /** @type {Record<string, SettingValue>} */
     const values = { ...this.fixed };
     for (const input of this.inputs) {
       if (input.matches(":disabled")) continue;
       const text = valueOfInput(input).trim();
-      if (input.type === "checkbox") values[input.name] = input.checked;
+      if (input instanceof HTMLInputElement && input.type === "checkbox") values[input.name] = input.checked;
       else if (input.dataset.list !== undefined) {
         values[input.name] = text
           .split(/[\s,;]+/)

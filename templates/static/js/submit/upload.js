@@ -1,29 +1,34 @@
 // Switching between file and editor, drag and drop, and the size of the file before it is sent.
+/** @import { RunForm } from "../server_data.d.ts" */
+import { all, isNamed, need } from "../dom.js";
 
+/** @param {number} bytes */
 function mebibytes(bytes) {
   return `${(bytes / 2 ** 20).toFixed(1)} MiB`;
 }
 
+/** @param {RunForm} form */
 export function startUpload(form) {
   const section = document.getElementById("own-program");
   if (!section) return;
-  const input = document.getElementById("program");
-  const drop = section.querySelector(".drop");
-  const check = form.querySelector("[data-check-bar]");
-  const note = section.querySelector("[data-file-note]");
+  const input = need(document, "input#program", HTMLInputElement);
+  const drop = need(section, ".drop", HTMLElement);
+  const check = need(form, "[data-check-bar]", HTMLElement);
+  const note = need(section, "[data-file-note]", HTMLElement);
   const maxBytes = Number(form.dataset.uploadMax);
 
-  function show() {
-    section.hidden = form.elements.controller.value !== "upload";
-    check.hidden = section.hidden;
-    for (const part of section.querySelectorAll("[data-source]")) {
+  /** @param {HTMLElement} own what belongs to an own program */
+  function show(own) {
+    own.hidden = form.elements.controller.value !== "upload";
+    check.hidden = own.hidden;
+    for (const part of all(own, "[data-source]", HTMLElement)) {
       part.hidden = part.dataset.source !== form.elements.source.value;
     }
     input.disabled = form.elements.source.value !== "file"; // a file that is sent has precedence
   }
 
   function describe() {
-    const file = input.files[0];
+    const file = input.files?.[0];
     note.className = "small muted";
     if (!file) {
       note.textContent = "";
@@ -37,7 +42,7 @@ export function startUpload(form) {
   }
 
   form.addEventListener("change", (event) => {
-    if (event.target.name === "controller" || event.target.name === "source") show();
+    if (isNamed(event.target, "controller", "source")) show(section);
     if (event.target === input) describe();
   });
   drop.addEventListener("dragover", (event) => {
@@ -48,10 +53,10 @@ export function startUpload(form) {
   drop.addEventListener("drop", (event) => {
     event.preventDefault();
     drop.classList.remove("over");
-    if (!event.dataTransfer.files.length) return;
+    if (!event.dataTransfer?.files.length) return;
     input.files = event.dataTransfer.files;
     describe();
   });
-  show();
+  show(section);
   describe();
 }

@@ -1,5 +1,9 @@
 // A vehicle of the scene with its trail. The first one is followed; others are ghosts, translucent and in
 // a colour of their own.
+/**
+ * @import { Row, Triple, VehicleShape } from "../../server_data.d.ts"
+ * @import { Pose } from "./vehicle.js"
+ */
 import { Group } from "../../../vendor/three/three.min.js";
 import { Trace } from "./surroundings.js";
 import { Vehicle } from "./vehicle.js";
@@ -7,9 +11,15 @@ import { Vehicle } from "./vehicle.js";
 const TRAIL_POINTS = 500;
 const TRAIL = 0xffe08a;
 
+/** @typedef {{pose: Pose, row: Row, trail: Row[]}} SceneMoment */
+
 export class Actor {
-  // shape: of scene.json, null if the camera moves alone; colour: CSS, of hull and trail, null for its own paint
-  constructor({ shape, colour = null }, { ghost }) {
+  /**
+   * shape: of scene.json, null if the camera moves alone; colour: CSS, of hull and trail, null for its own paint
+   * @param {{shape: VehicleShape | null, colour?: string}} vehicle
+   * @param {{ghost: boolean}} options
+   */
+  constructor({ shape, colour }, { ghost }) {
     this.vehicle = new Vehicle(shape, { colour, ghost });
     this.trail = new Trace(colour ?? TRAIL, TRAIL_POINTS);
     this.group = new Group();
@@ -17,11 +27,17 @@ export class Actor {
     this.group.visible = false;
   }
 
-  // moment: {pose, row, trail}, null where this vehicle has no telemetry; seconds: simulated, since the last picture
+  /**
+   * moment: {pose, row, trail}, null where this vehicle has no telemetry; seconds: simulated, since the last picture
+   * @param {SceneMoment | null} moment
+   * @param {number} seconds
+   */
   show(moment, seconds) {
     this.group.visible = moment !== null;
     if (!moment) return;
     this.vehicle.show(moment.pose, moment.row, seconds);
-    this.trail.show([...moment.trail.map(({ x, y, z }) => [x, y, z]), this.vehicle.group.position.toArray()]);
+    /** @type {Triple[]} */
+    const before = moment.trail.map(({ x, y, z }) => [Number(x), Number(y), Number(z)]);
+    this.trail.show([...before, this.vehicle.group.position.toArray()]);
   }
 }

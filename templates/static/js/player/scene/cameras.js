@@ -1,6 +1,10 @@
 // How one looks at the scene: around the vehicle, around the target, from above, through the vehicle's camera, from
 // so far away that all vehicles are in the picture, or flying freely. Mouse and touch by OrbitControls; the keys
 // below move the view without either.
+/**
+ * @import { Object3D } from "three"
+ * @import { Optics, SceneData, Triple, VehicleShape } from "../../server_data.d.ts"
+ */
 import { Matrix4, OrbitControls, PerspectiveCamera, Quaternion, Vector3 } from "../../../vendor/three/three.min.js";
 
 const TURN = 0.12; // [rad] per key
@@ -9,10 +13,14 @@ const ZOOM = 1.15; // per key
 const FLY_M_S = 1.6;
 const FAST = 4; // times as fast with Shift
 const FLY_STEP_S = 0.12; // of flight for a key that is only touched
-// right, up and ahead for each key that flies
+/**
+ * right, up and ahead for each key that flies
+ * @type {Record<string, Triple>}
+ */
 const FLY = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0] };
 const FIELD_OF_VIEW = 48; // [degree] vertical
 const FRAME_M = 0.8; // around the vehicles that are all in the picture
+/** @type {(place: Vector3) => Vector3} */
 const TO_SCREEN = (v) => new Vector3(v.y, -v.z, -v.x);
 // From the axes of a three.js camera (x right, y up, -z ahead) to the body (x forward, y starboard, z down).
 const LOOK_DOWN = new Quaternion().setFromRotationMatrix(
@@ -20,6 +28,10 @@ const LOOK_DOWN = new Quaternion().setFromRotationMatrix(
 );
 
 export class Cameras {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {() => void} onChange
+   */
   constructor(canvas, onChange) {
     this.mode = "follow";
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 4 / 3, 0.05, 80);
@@ -29,21 +41,39 @@ export class Cameras {
     this.onChange = onChange;
     this.centre = new Vector3();
     this.canvas = canvas;
+    /** @type {Set<string>} keys that are held */
     this.flying = new Set();
+    this.fast = false;
+    /** @type {number | undefined} when the view was last flown [ms] */
+    this.flown = undefined;
+    this.placed = false;
+    this.near = 1;
+    this.width = this.height = 0;
+    /** @type {Object3D | null} */
+    this.vehicle = null;
+    /** @type {Optics | null} */
+    this.optics = null;
+    this.target = new Vector3();
+    this.described = false;
     canvas.addEventListener("keydown", (event) => this.onKey(event));
     canvas.addEventListener("keyup", (event) => this.flying.delete(event.key.toLowerCase()));
     canvas.addEventListener("blur", () => this.flying.clear());
   }
 
+  /** @param {Pick<SceneData, "target" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description */
   describe({ target, camera, vehicles }) {
     this.target = TO_SCREEN(new Vector3(...target.centre));
+    this.described = true;
     this.optics = camera;
     const length = Math.max(...(vehicles[0].shape?.hull ?? []).map(({ size }) => size[0]), 0);
     this.near = length > 1 ? 1 : 0.62; // a small vehicle is looked at from nearby
     if (!this.placed) this.setMode(this.mode);
   }
 
-  // Keeps the view relative to the vehicle.
+  /**
+   * Keeps the view relative to the vehicle.
+   * @param {Object3D} vehicle
+   */
   follow(vehicle) {
     this.vehicle = vehicle;
     const now = TO_SCREEN(vehicle.position);
@@ -55,10 +85,14 @@ export class Cameras {
     this.centre.copy(now);
   }
 
-  // Moves back or closer, without turning, until the target and vehicles at these positions are in the picture.
+  /**
+   * Moves back or closer, without turning, until the target and vehicles at these positions are in the picture.
+   * @param {Vector3[]} positions
+   */
   frame(positions) {
     const points = [...positions.map(TO_SCREEN), this.target];
-    const [low, high] = ["min", "max"].map((end) => points.reduce((found, point) => found.clone()[end](point)));
+    const low = points.reduce((found, point) => found.clone().min(point));
+    const high = points.reduce((found, point) => found.clone().max(point));
     const centre = low.add(high).multiplyScalar(0.5);
     const back = this.camera.position.clone().sub(this.controls.target).normalize();
     const right = new Vector3(0, 1, 0).cross(back).normalize();
@@ -73,7 +107,10 @@ export class Cameras {
     this.camera.position.copy(centre).addScaledVector(back, Math.max(...away));
   }
 
-  // Flying starts from where one looks now.
+  /**
+   * Flying starts from where one looks now.
+   * @param {string} mode
+   */
   setMode(mode) {
     const stays = mode === "free" && this.placed && this.mode !== "camera";
     const free = mode === "free";
@@ -96,15 +133,20 @@ export class Cameras {
   // Takes the view that the mode begins with.
   place() {
     const { mode } = this;
-    const centre = mode === "target" && this.target ? this.target : this.centre;
-    const offset = mode === "top" ? new Vector3(0, 7, 0.01) : new Vector3(2.7, 1.5, 3.1).multiplyScalar(this.near ?? 1);
+    const centre = mode === "target" && this.described ? this.target : this.centre;
+    const offset = mode === "top" ? new Vector3(0, 7, 0.01) : new Vector3(2.7, 1.5, 3.1).multiplyScalar(this.near);
     this.controls.target.copy(centre);
     if (mode === "follow") this.controls.target.y -= 0.8; // towards the target
     this.camera.position.copy(centre).add(offset);
   }
 
+  /**
+   * @param {number} width
+   * @param {number} height
+   */
   resize(width, height) {
-    Object.assign(this, { width, height });
+    this.width = width;
+    this.height = height;
     if (!width) return;
     this.camera.aspect = width / height;
     this.camera.fov = FIELD_OF_VIEW;
@@ -142,9 +184,11 @@ export class Cameras {
     if (this.flying.size) this.onChange();
   }
 
+  /** @param {KeyboardEvent} event */
   onKey(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || this.mode === "camera") return;
     if (this.mode === "free" && this.onFlyKey(event)) return;
+    /** @type {Record<string, [number, number]>} */
     const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     if (event.key in turns) {
       const [across, down] = turns[event.key];
@@ -159,6 +203,10 @@ export class Cameras {
     this.onChange();
   }
 
+  /**
+   * @param {number} across
+   * @param {number} down
+   */
   turn(across, down) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const radius = offset.length();
@@ -170,7 +218,11 @@ export class Cameras {
     this.camera.position.copy(this.controls.target).add(offset);
   }
 
-  // Turns the view about the eye.
+  /**
+   * Turns the view about the eye.
+   * @param {number} across
+   * @param {number} down
+   */
   look(across, down) {
     const { position } = this.camera;
     const { target } = this.controls;
@@ -184,7 +236,11 @@ export class Cameras {
       .add(position);
   }
 
-  // Moves the eye and what it looks at to the right, up and ahead.
+  /**
+   * Moves the eye and what it looks at to the right, up and ahead.
+   * @param {Triple} direction
+   * @param {number} metres
+   */
   move([right, up, ahead], metres) {
     const step = new Vector3();
     const axis = new Vector3();
@@ -194,6 +250,7 @@ export class Cameras {
     for (const point of [this.camera.position, this.controls.target]) point.add(step);
   }
 
+  /** @param {KeyboardEvent} event */
   onFlyKey(event) {
     const key = event.key.toLowerCase();
     if (!(key in FLY)) return false;
@@ -206,6 +263,7 @@ export class Cameras {
     return true;
   }
 
+  /** @param {number} factor */
   zoom(factor) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const length = Math.min(Math.max(offset.length() * factor, this.controls.minDistance), this.controls.maxDistance);

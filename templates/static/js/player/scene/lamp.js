@@ -1,4 +1,8 @@
 // The light cone of the vehicle's lamp, if the run has one: ahead of the camera, looking down as it does.
+/**
+ * @import { Object3D } from "three"
+ * @import { LightData, Triple } from "../../server_data.d.ts"
+ */
 import {
   AdditiveBlending,
   BufferAttribute,
@@ -12,7 +16,12 @@ const BRIGHTNESS = 0.05; // of one wall of the cone at the lamp; it fades to non
 const STEPS = 8; // of the fading
 
 export class LampCone {
-  // light: of scene.json; mount: of the camera in the body frame [m]; depth: of the seabed
+  /**
+   * light: of scene.json; mount: of the camera in the body frame [m]; depth: of the seabed
+   * @param {LightData} light
+   * @param {Triple} mount
+   * @param {number} depth
+   */
   constructor({ cone, forward }, [x, y, z], depth) {
     this.depth = depth;
     const geometry = new ConeGeometry(Math.tan(cone), 1, 32, STEPS, true).translate(0, -0.5, 0);
@@ -34,7 +43,10 @@ export class LampCone {
     this.mesh.position.set(x + forward, y, z);
   }
 
-  // vehicle: its group in the world
+  /**
+   * vehicle: its group in the world
+   * @param {Object3D} vehicle
+   */
   show({ position }) {
     this.mesh.scale.setScalar(Math.max(this.depth - position.z - this.mesh.position.z, 0.1));
   }

@@ -10,15 +10,26 @@ const SCALE_MIN = 0.35;
 const GROWTH = 1.35; // of the scale: what took less than FAST_MS then takes less than SLOW_MS
 
 export class Pace {
+  /** @param {number} scale */
   constructor(scale) {
-    Object.assign(this, { scale, at: 0, mean: 30, count: 0, moved: false, resized: 0 });
+    this.scale = scale;
+    this.at = 0; // of the last picture [ms]
+    this.mean = 30; // between two pictures [ms]
+    this.count = 0; // of pictures since the last change
+    this.moved = false;
+    this.resized = 0;
   }
 
-  // A picture is drawn at `now` [ms]; returns whether the scale has changed.
+  /**
+   * A picture is drawn at `now` [ms]; returns whether the scale has changed.
+   * @param {number} now
+   * @param {boolean} moves
+   */
   drawn(now, moves) {
     const passed = Math.min(now - this.at, PASSED_MAX_MS);
     const measures = moves && this.moved;
-    Object.assign(this, { at: now, moved: moves });
+    this.at = now;
+    this.moved = moves;
     if (!measures) return false;
     this.mean += (passed - this.mean) / SETTLE_PICTURES;
     this.count += 1;
@@ -28,7 +39,9 @@ export class Pace {
     const factor = mean > SLOW_MS ? Math.max(Math.sqrt(SLOW_MS / mean), 0.6) : mean < FAST_MS ? GROWTH : 1;
     const scale = Math.min(Math.max(this.scale * factor, SCALE_MIN), 1);
     if (Math.abs(scale - this.scale) < 0.01) return false;
-    Object.assign(this, { scale, count: 0, resized: now });
+    this.scale = scale;
+    this.count = 0;
+    this.resized = now;
     return true;
   }
 }

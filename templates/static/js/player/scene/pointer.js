@@ -1,10 +1,15 @@
 // An arrow at the edge of the scene, towards something that is out of sight.
+/** @import { Camera } from "three" */
 import { Vector3 } from "../../../vendor/three/three.min.js";
 
 const MARGIN_PX = 30;
 
 export class Pointer {
-  // name: of the thing, in words
+  /**
+   * name: of the thing, in words
+   * @param {HTMLElement} box
+   * @param {string} name
+   */
   constructor(box, name) {
     this.box = box;
     this.name = name;
@@ -23,7 +28,12 @@ export class Pointer {
     if (!this.element.hidden) this.element.hidden = true;
   }
 
-  // place: in the frame of the screen, y up; distance: in words, empty if unknown
+  /**
+   * place: in the frame of the screen, y up; distance: in words, empty if unknown
+   * @param {Camera} camera
+   * @param {Vector3} place
+   * @param {string} distance
+   */
   show(camera, place, distance) {
     const seen = place.clone().applyMatrix4(camera.matrixWorldInverse);
     const { x, y } = place.clone().project(camera);

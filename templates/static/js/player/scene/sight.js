@@ -1,5 +1,9 @@
 // What the vehicle's camera looks at: its field of view down to the seabed, and the line to the target with the
 // target's outline, which can be seen in any water.
+/**
+ * @import { Object3D } from "three"
+ * @import { SceneData, TargetShape, Triple } from "../../server_data.d.ts"
+ */
 import { Group, Vector3 } from "../../../vendor/three/three.min.js";
 import { Trace } from "./surroundings.js";
 
@@ -10,6 +14,7 @@ const CORNERS = [
   [1, 1],
   [-1, 1],
 ];
+/** @type {(corners: Triple[]) => Triple[]} */
 const edges = (corners) => corners.flatMap((corner, index) => [corner, corners[(index + 1) % corners.length]]);
 
 export class Sight {
@@ -20,7 +25,11 @@ export class Sight {
     this.group.add(this.frustum.line, this.line.line);
   }
 
-  // vehicle: its group, with its matrix; description: of scene.json
+  /**
+   * vehicle: its group, with its matrix; description: of scene.json
+   * @param {Object3D} vehicle
+   * @param {Pick<SceneData, "camera" | "seabed" | "target">} description
+   */
   show(vehicle, { camera, seabed, target }) {
     const { mount, focal, width, height } = camera;
     const eye = new Vector3(...mount).applyMatrix4(vehicle.matrix);
@@ -37,7 +46,11 @@ export class Sight {
   }
 }
 
-// The corners of the target's top.
+/**
+ * The corners of the target's top.
+ * @param {TargetShape} target
+ * @returns {Triple[]}
+ */
 function outline({ centre: [north, east, down], size: [length, width, height], heading }) {
   const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
   return CORNERS.map(([u, v]) => {

@@ -1,4 +1,9 @@
 // What surrounds the vehicle, in the world frame north, east, down: seabed, target, water.
+/**
+ * @import { ColorRepresentation } from "three"
+ * @import { SceneData, TargetShape, Triple } from "../../server_data.d.ts"
+ * @import { Water } from "./water.js"
+ */
 import * as THREE from "../../../vendor/three/three.min.js";
 
 const GROUND_M = 120; // side of the seabed that is drawn
@@ -8,6 +13,10 @@ const SPREAD = [0.8191725134, 0.6710436067, 0.5497004779];
 const CLOUD_M = 7; // side of the box that the drifting particles fill, around the vehicle
 const CURRENT_ARROW = 2; // [m] per m/s
 
+/**
+ * @param {string} address
+ * @param {() => void} ready
+ */
 function textured(address, ready) {
   const texture = new THREE.TextureLoader().load(address, ready);
   texture.colorSpace = THREE.SRGBColorSpace;
@@ -15,7 +24,13 @@ function textured(address, ready) {
   return texture;
 }
 
-// Columns of the texture lie along north, rows along east, as in the vehicle's camera.
+/**
+ * Columns of the texture lie along north, rows along east, as in the vehicle's camera.
+ * @param {SceneData["seabed"]} ground
+ * @param {string} address
+ * @param {() => void} ready
+ * @param {Water} water
+ */
 export function seabed({ depth, tile }, address, ready, water) {
   const texture = textured(address, ready);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
@@ -40,7 +55,13 @@ export function seabed({ depth, tile }, address, ready, water) {
   return new THREE.Mesh(geometry, water.seen(new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide })));
 }
 
-// The letters are upright for a vehicle with the target's heading.
+/**
+ * The letters are upright for a vehicle with the target's heading.
+ * @param {TargetShape} shape
+ * @param {string} address
+ * @param {() => void} ready
+ * @param {Water} water
+ */
 export function target({ centre, size, heading }, address, ready, water) {
   const [length, width, height] = size;
   const group = new THREE.Group();
@@ -75,7 +96,11 @@ export class CurrentArrow {
     this.group.add(this.shaft, this.head);
   }
 
-  // current: [north, east, down] m/s; at: where it starts
+  /**
+   * current: [north, east, down] m/s; at: where it starts
+   * @param {Triple} current
+   * @param {THREE.Vector3} at
+   */
   show(current, at) {
     const direction = new THREE.Vector3(...current);
     const length = direction.length() * CURRENT_ARROW;
@@ -91,6 +116,10 @@ export class CurrentArrow {
 
 // Particles that drift with the current through a box around the vehicle.
 export class Particles {
+  /**
+   * @param {number} depth
+   * @param {Water} water
+   */
   constructor(depth, water) {
     this.depth = depth;
     this.drift = new THREE.Vector3();
@@ -106,6 +135,11 @@ export class Particles {
     this.points.frustumCulled = false;
   }
 
+  /**
+   * @param {Triple} current
+   * @param {THREE.Vector3} centre
+   * @param {number} seconds
+   */
   show(current, centre, seconds) {
     this.drift.addScaledVector(new THREE.Vector3(...current), seconds);
     const low = [centre.x - CLOUD_M / 2, centre.y - CLOUD_M / 2, this.depth - CLOUD_M];
@@ -122,6 +156,11 @@ export class Particles {
 
 // A line through points that change.
 export class Trace {
+  /**
+   * @param {ColorRepresentation} color
+   * @param {number} points
+   * @param {{segments?: boolean, opacity?: number}} [options]
+   */
   constructor(color, points, { segments = false, opacity = 1 } = {}) {
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * points), 3).setUsage(THREE.DynamicDrawUsage);
     const geometry = new THREE.BufferGeometry();
@@ -132,7 +171,10 @@ export class Trace {
     this.points = points;
   }
 
-  // points: [[north, east, down], ...]; of more than there is room for, every n-th
+  /**
+   * points: [[north, east, down], ...]; of more than there is room for, every n-th
+   * @param {Triple[]} points
+   */
   show(points) {
     const every = Math.max(Math.ceil(points.length / this.points), 1);
     const kept = points.filter((_, index) => index % every === (points.length - 1) % every);

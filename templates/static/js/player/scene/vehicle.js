@@ -1,5 +1,9 @@
 // The vehicles from simple solids in the body frame: x forward, y starboard, z down. Solids and thrusters
 // are those of the vehicle's own data (sim/vehicles).
+/**
+ * @import { ColorRepresentation, Material, MeshLambertMaterialParameters, Object3D } from "three"
+ * @import { Row, Solid, Triple, VehicleShape } from "../../server_data.d.ts"
+ */
 import * as THREE from "../../../vendor/three/three.min.js";
 
 const ARROW_M = 0.9; // of full thrust
@@ -7,15 +11,22 @@ const BLADES = 3;
 const TURN = 26; // [rad] per second of simulated time at full thrust; eyes cannot follow more
 const SPIN_MAX = 0.7; // [rad] per picture, so that blades do not seem to stand still
 
+/** @type {(color: ColorRepresentation, options?: MeshLambertMaterialParameters) => THREE.MeshLambertMaterial} */
 const paint = (color, options = {}) => new THREE.MeshLambertMaterial({ color, ...options });
 const PAINT = { dark: paint(0x20262b), white: paint(0xe9f0f2), arrow: paint(0xff7a1a) };
 
+/**
+ * @param {THREE.BufferGeometry} geometry
+ * @param {Material} material
+ * @param {Triple} [place]
+ */
 function part(geometry, material, [x, y, z] = [0, 0, 0]) {
   const mesh = new THREE.Mesh(geometry, material);
   mesh.position.set(x, y, z);
   return mesh;
 }
 
+/** @type {Record<Solid["shape"], (size: Triple) => THREE.BufferGeometry>} */
 const GEOMETRIES = {
   box: ([x, y, z]) => new THREE.BoxGeometry(x, y, z),
   cylinder: ([x, y]) => new THREE.CylinderGeometry(y / 2, y / 2, x, 18),
@@ -24,13 +35,18 @@ const GEOMETRIES = {
 };
 const LENGTHWISE = ["cylinder", "capsule"]; // along the x axis
 
-// solids: of scene.json
+/**
+ * solids: of scene.json
+ * @param {VehicleShape} shape
+ */
 function hullOf({ solids }) {
   const group = new THREE.Group();
+  /** @type {Map<string, Material>} */
   const paints = new Map();
   for (const { shape, size, centre, colour, livery } of solids) {
-    if (!paints.has(colour)) paints.set(colour, paint(colour));
-    const mesh = part(GEOMETRIES[shape](size), paints.get(colour), centre);
+    const known = paints.get(colour) ?? paint(colour);
+    paints.set(colour, known);
+    const mesh = part(GEOMETRIES[shape](size), known, centre);
     if (LENGTHWISE.includes(shape)) mesh.rotation.z = Math.PI / 2;
     mesh.userData.livery = livery;
     group.add(mesh);
@@ -46,6 +62,10 @@ function lone() {
 }
 
 class Thruster {
+  /**
+   * @param {VehicleShape["thrusters"][number]} thruster
+   * @param {number} radius
+   */
   constructor({ position, direction }, radius) {
     this.group = new THREE.Group();
     this.group.position.set(...position);
@@ -55,7 +75,11 @@ class Thruster {
     this.group.add(part(new THREE.CylinderGeometry(radius * 0.3, radius * 0.3, radius * 1.3, 10), PAINT.dark));
     this.blades = new THREE.Group();
     for (let number = 0; number < BLADES; number += 1) {
-      const blade = part(new THREE.BoxGeometry(radius * 0.85, radius * 0.06, radius * 0.42), PAINT.white, [radius * 0.5, 0, 0]);
+      const blade = part(new THREE.BoxGeometry(radius * 0.85, radius * 0.06, radius * 0.42), PAINT.white, [
+        radius * 0.5,
+        0,
+        0,
+      ]);
       blade.rotation.x = 0.6;
       const arm = new THREE.Group();
       arm.rotation.y = (2 * Math.PI * number) / BLADES;
@@ -70,7 +94,11 @@ class Thruster {
     this.group.add(this.arrow);
   }
 
-  // share: of full thrust, -1 to 1; seconds: of simulated time since the last picture
+  /**
+   * share: of full thrust, -1 to 1; seconds: of simulated time since the last picture
+   * @param {number} share
+   * @param {number} seconds
+   */
   show(share, seconds) {
     const turn = Math.sign(share) * Math.sqrt(Math.abs(share)) * TURN * seconds;
     this.blades.rotation.y += Math.min(Math.max(turn, -SPIN_MAX), SPIN_MAX);
@@ -85,32 +113,53 @@ class Thruster {
 
 const GHOST_OPACITY = 0.55;
 
-// A ghost is of one translucent paint, so that the vehicles behind it can be seen.
+/**
+ * A ghost is of one translucent paint, so that the vehicles behind it can be seen.
+ * @param {Object3D} group
+ * @param {string | undefined} colour
+ * @param {boolean} ghost
+ */
 function repaint(group, colour, ghost) {
   const shine = { emissive: colour ?? 0, emissiveIntensity: 0.6 }; // so that dark water leaves the colour
   const own = paint(colour ?? 0xbfd3dc, { ...shine, ...(ghost ? { transparent: true, opacity: GHOST_OPACITY } : {}) });
   group.traverse((mesh) => {
-    if (mesh.material && (ghost || mesh.userData.livery)) mesh.material = own;
+    if (mesh instanceof THREE.Mesh && (ghost || mesh.userData.livery)) mesh.material = own;
   });
 }
 
+/**
+ * In the world: [m], [rad].
+ * @typedef {{x: number, y: number, z: number, roll: number, pitch: number, yaw: number}} Pose
+ */
+
 export class Vehicle {
-  // shape: of scene.json, null if the camera moves alone; colour: CSS, null for its own paint
-  constructor(shape, { colour = null, ghost = false } = {}) {
+  /**
+   * shape: of scene.json, null if the camera moves alone; colour: CSS, undefined for its own paint
+   * @param {VehicleShape | null} shape
+   * @param {{colour?: string, ghost?: boolean}} [options]
+   */
+  constructor(shape, { colour, ghost = false } = {}) {
     this.group = new THREE.Group();
     this.group.rotation.order = "ZYX"; // yaw, then pitch, then roll
     this.max = shape?.thrust_max ?? 1;
-    this.thrusters = (shape?.thrusters ?? []).map((one) => new Thruster(one, shape.nozzle_radius));
+    this.thrusters = (shape?.thrusters ?? []).map((one) => new Thruster(one, shape?.nozzle_radius ?? 0));
     this.hull = shape ? hullOf(shape) : lone();
     this.group.add(this.hull, ...this.thrusters.map(({ group }) => group));
     if (ghost || colour) repaint(this.group, colour, ghost);
     if (ghost) for (const { arrow } of this.thrusters) arrow.removeFromParent();
   }
 
-  // pose: {x, y, z [m], roll, pitch, yaw [rad]} in the world frame
+  /**
+   * pose: {x, y, z [m], roll, pitch, yaw [rad]} in the world frame
+   * @param {Pose} pose
+   * @param {Row} row
+   * @param {number} seconds
+   */
   show(pose, row, seconds) {
     this.group.position.set(pose.x, pose.y, pose.z);
     this.group.rotation.set(pose.roll, pose.pitch, pose.yaw);
-    this.thrusters.forEach((thruster, index) => thruster.show((row[`thrust_${index}`] ?? 0) / this.max, seconds));
+    for (const [index, thruster] of this.thrusters.entries()) {
+      thruster.show((row[`thrust_${index}`] ?? 0) / this.max, seconds);
+    }
   }
 }

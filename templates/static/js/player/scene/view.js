@@ -1,5 +1,11 @@
 // The 3-D scene of one run, or of several as ghosts. The world group is in the frame of the telemetry
 // (north, east, down); outside of it, y is up. It draws only when something has changed.
+/**
+ * @import { Camera } from "three"
+ * @import { LightData, Row, SceneData, Triple, VehicleShape, WaterData } from "../../server_data.d.ts"
+ * @import { SceneMoment } from "./actor.js"
+ * @import { Vehicle } from "./vehicle.js"
+ */
 import * as THREE from "../../../vendor/three/three.min.js";
 import { Actor } from "./actor.js";
 import { Cameras } from "./cameras.js";
@@ -15,6 +21,7 @@ const REST_MS = 500; // without a new picture until the last one is drawn with a
 const SCALE_OF_SOFTWARE = 0.5; // at first, without a graphics card
 const SCALE_OF_SHADOW = 0.4; // more than this to draw one while the scene moves
 const PIXELS_MAX = 2; // per CSS pixel
+/** @type {Triple} */
 const SUN = [0.17, 0.33, 1]; // north, east, down: where the light goes
 const STILL = matchMedia("(prefers-reduced-motion: reduce)");
 // North, east, down in a frame whose x is east, y up and z south.
@@ -29,7 +36,16 @@ export function graphics() {
   return { canDraw: true, software: /swiftshader|llvmpipe|software|basic render/i.test(name) };
 }
 
+/**
+ * scene.json, with the vehicles of which the first is followed.
+ * @typedef {SceneData & {vehicles: {shape: VehicleShape | null, colour?: string}[]}} Description
+ */
+
 export class SceneView {
+  /**
+   * @param {HTMLElement} box
+   * @param {{software: boolean, onDraw: (view: SceneView) => void}} options
+   */
   constructor(box, { software, onDraw }) {
     this.box = box;
     this.onDraw = onDraw;
@@ -53,7 +69,22 @@ export class SceneView {
     this.sight = new Sight();
     this.pointers = { station: new Pointer(box, "station"), vehicle: new Pointer(box, "vehicle") };
     this.outside = new THREE.Group(); // what is not to be seen from on board
+    /** @type {Actor[]} */
     this.actors = [];
+    /** @type {Description | null} */
+    this.description = null;
+    /** @type {(SceneMoment | null)[] | null} what is shown */
+    this.last = null;
+    /** @type {Particles | null} */
+    this.particles = null;
+    /** @type {Shadow | null} */
+    this.shadow = null;
+    /** @type {LampCone | null} */
+    this.lamp = null;
+    this.clearance = 0; // of the current's arrow above the vehicle [m]
+    this.requested = false;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.rest = undefined;
     this.pace = new Pace(software ? SCALE_OF_SOFTWARE : 1);
     this.moved = this.sharp = false;
     this.renderer.debug.checkShaderErrors = false; // asking for them waits for the compilation
@@ -62,8 +93,12 @@ export class SceneView {
     this.resize();
   }
 
-  // description: {target, seabed, camera, water} of scene.json and `vehicles`: [{shape, colour}, ...], of which
-  // the first is followed; textures: addresses of the seabed's and the target's picture
+  /**
+   * description: {target, seabed, camera, water} of scene.json and `vehicles`: [{shape, colour}, ...], of which
+   * the first is followed; textures: addresses of the seabed's and the target's picture
+   * @param {Description} description
+   * @param {{seabed: string, target: string}} textures
+   */
   describe(description, textures) {
     this.description = description;
     this.world.clear();
@@ -72,15 +107,16 @@ export class SceneView {
     const [{ shape }] = description.vehicles;
     const [followed, ...ghosts] = this.actors.map(({ group }) => group);
     const heights = (shape?.hull ?? []).map(({ centre, size }) => size[2] / 2 - centre[2]);
-    this.clearance = Math.max(0.1, ...heights) + 0.3; // of the current's arrow above the vehicle
+    this.clearance = Math.max(0.1, ...heights) + 0.3;
     const { camera, light, water } = description;
     const { depth } = description.seabed;
     this.water.clear();
     this.water.set(water, light);
     this.particles = new Particles(depth, this.water);
-    this.shadow = new Shadow(this.vehicle.hull, depth, SUN, this.water);
+    const { vehicle } = this.actors[0];
+    this.shadow = new Shadow(vehicle.hull, depth, SUN, this.water);
     this.lamp = light.lamp > 0 ? new LampCone(light, camera.mount, depth) : null;
-    if (this.lamp) this.vehicle.group.add(this.lamp.mesh);
+    if (this.lamp) vehicle.group.add(this.lamp.mesh);
     this.world.add(
       seabed(description.seabed, textures.seabed, ready, this.water),
       target(description.target, textures.target, ready, this.water),
@@ -95,48 +131,68 @@ export class SceneView {
     else this.request();
   }
 
-  // Water and light of another level.
+  /**
+   * Water and light of another level.
+   * @param {WaterData} water
+   * @param {LightData} light
+   */
   setWater(water, light) {
-    Object.assign(this.description, { water, light });
+    if (this.description) Object.assign(this.description, { water, light });
     this.water.set(water, light);
     this.request();
   }
 
-  // The vehicle that is followed; undefined before the first `describe`.
+  /**
+   * The vehicle that is followed; undefined before the first `describe`.
+   * @returns {Vehicle | undefined}
+   */
   get vehicle() {
     return this.actors[0]?.vehicle;
   }
 
-  // moments: of each vehicle {pose: interpolated, row: as recorded, trail: rows before}, null without telemetry;
-  // seconds: simulated, since the last picture
+  /**
+   * moments: of each vehicle {pose: interpolated, row: as recorded, trail: rows before}, null without telemetry;
+   * seconds: simulated, since the last picture
+   * @param {(SceneMoment | null)[]} moments
+   * @param {number} seconds
+   */
   show(moments, seconds) {
     this.last = moments;
     this.moved = seconds > 0;
     if (this.moved && this.sharp) this.setSharp(false);
-    if (!this.vehicle) return;
+    const { vehicle, description } = this;
+    if (!vehicle || !description) return;
     const moved = STILL.matches ? 0 : seconds;
     for (const [index, actor] of this.actors.entries()) actor.show(moments[index] ?? null, moved);
-    if (moments[0]) this.showAround(moments[0].row, moved);
+    if (moments[0]) this.showAround(vehicle, description, moments[0].row, moved);
     const shown = this.actors.filter(({ group }) => group.visible);
-    if (this.cameras.mode === "all") this.cameras.frame(shown.map(({ vehicle }) => vehicle.group.position));
+    if (this.cameras.mode === "all") this.cameras.frame(shown.map((actor) => actor.vehicle.group.position));
     this.request();
   }
 
-  // What goes with the vehicle that is followed.
-  showAround(row, seconds) {
-    const { group } = this.vehicle;
+  /**
+   * What goes with the vehicle that is followed.
+   * @param {Vehicle} vehicle
+   * @param {Description} description
+   * @param {Row} row
+   * @param {number} seconds
+   */
+  showAround(vehicle, description, row, seconds) {
+    const { group } = vehicle;
     const { position } = group;
-    const current = ["current_x", "current_y", "current_z"].map((name) => row[name] ?? 0);
+    /** @type {Triple} */
+    const current = [row.current_x ?? 0, row.current_y ?? 0, row.current_z ?? 0];
     this.current.show(current, new THREE.Vector3(position.x, position.y, position.z - this.clearance));
-    this.particles.show(current, position, seconds);
+    this.particles?.show(current, position, seconds);
     group.updateMatrix();
-    this.sight.show(group, this.description);
-    this.shadow.show(group);
+    this.sight.show(group, description);
+    this.shadow?.show(group);
     this.lamp?.show(group);
-    this.water.lookFrom(group, this.description.camera.mount, TO_SCREEN);
+    this.water.lookFrom(group, description.camera.mount, TO_SCREEN);
     this.cameras.follow(group);
   }
 
+  /** @param {string} mode */
   setMode(mode) {
     this.outside.visible = mode !== "camera";
     this.cameras.setMode(mode);
@@ -144,6 +200,7 @@ export class SceneView {
     this.request();
   }
 
+  /** @param {boolean} turbid */
   setTurbid(turbid) {
     this.water.setTurbid(turbid);
     this.request();
@@ -164,34 +221,44 @@ export class SceneView {
     requestAnimationFrame((now) => this.draw(now));
   }
 
+  /** @param {number} now */
   draw(now) {
     this.requested = false;
-    if (!this.vehicle) return;
+    const { vehicle, description } = this;
+    if (!vehicle || !description) return;
     if (this.pace.drawn(now, this.moved)) this.resize();
     const camera = this.cameras.update();
-    this.shadow.mesh.visible = this.sharp || this.pace.scale > SCALE_OF_SHADOW; // rather pixels than a shadow
+    // Rather pixels than a shadow.
+    if (this.shadow) this.shadow.mesh.visible = this.sharp || this.pace.scale > SCALE_OF_SHADOW;
     this.renderer.render(this.scene, camera);
-    this.point(camera);
+    this.point(vehicle, description, camera);
     this.onDraw(this);
     clearTimeout(this.rest);
     if (!this.sharp && this.pace.scale < 1) this.rest = setTimeout(() => this.setSharp(true), REST_MS);
   }
 
-  // Arrows to what is out of sight: the station, and the vehicle if one looks elsewhere.
-  point(camera) {
+  /**
+   * Arrows to what is out of sight: the station, and the vehicle if one looks elsewhere.
+   * @param {Vehicle} followed
+   * @param {Description} description
+   * @param {Camera} camera
+   */
+  point(followed, description, camera) {
     const { station, vehicle } = this.pointers;
+    /** @type {(place: Triple) => THREE.Vector3} */
     const place = ([x, y, z]) => new THREE.Vector3(x, y, z).applyMatrix4(TO_SCREEN);
     const distance = this.last?.[0]?.row.distance;
-    station.show(
-      camera,
-      place(this.description.target.centre),
-      Number.isFinite(distance) ? `${distance.toFixed(1)} m` : "",
-    );
+    const away = typeof distance === "number" ? `${distance.toFixed(1)} m` : "";
+    station.show(camera, place(description.target.centre), away);
     if (this.cameras.mode === "camera") vehicle.hide();
-    else vehicle.show(camera, place(this.vehicle.group.position.toArray()), "");
+    else vehicle.show(camera, place(followed.group.position.toArray()), "");
   }
 
-  // Draws a picture of its own size, which `use` takes from the canvas at once.
+  /**
+   * Draws a picture of its own size, which `use` takes from the canvas at once.
+   * @param {[number, number]} size
+   * @param {(canvas: HTMLCanvasElement) => void} use
+   */
   picture([width, height], use) {
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height, false);
@@ -201,7 +268,10 @@ export class SceneView {
     this.resize();
   }
 
-  // A picture that stays has all pixels, however long it takes.
+  /**
+   * A picture that stays has all pixels, however long it takes.
+   * @param {boolean} sharp
+   */
   setSharp(sharp) {
     this.sharp = sharp;
     this.resize();

@@ -4,8 +4,13 @@
 // R is measured from the vehicle's camera in every view. So seabed and target have the same contrast here as
 // in the camera's picture, from wherever one looks; vehicles and arrows are drawn without water, for the scene
 // also has to show where the vehicle is when its camera sees nothing.
+/**
+ * @import { Material, Matrix4, Object3D } from "three"
+ * @import { LightData, Triple, WaterData } from "../../server_data.d.ts"
+ */
 import { Color, SRGBColorSpace, Vector3 } from "../../../vendor/three/three.min.js";
 
+/** @type {Pick<WaterData, "law" | "attenuation">} */
 const CLEAR = { law: "beer", attenuation: [0.02, 0.02, 0.02] }; // [1/m] with turbidity switched off
 const DAYLIGHT = { level: 1, lamp: 0, cone: 1, forward: 0 };
 
@@ -40,7 +45,12 @@ export class Water {
     this.attenuation = new Vector3();
     this.veil = new Vector3();
     this.turbid = true;
+    /** @type {Material[]} */
     this.materials = [];
+    /** @type {WaterData | null} */
+    this.water = null;
+    this.light = DAYLIGHT;
+    /** @type {{law: WaterData["law"], lit: boolean}} */
     this.kind = { law: "beer", lit: false }; // what the shaders are compiled for
     this.uniforms = {
       waterEye: { value: this.eye },
@@ -54,7 +64,12 @@ export class Water {
     };
   }
 
-  // Returns the material, which is now seen through the water.
+  /**
+   * Returns the material, which is now seen through the water.
+   * @template {Material} M
+   * @param {M} material
+   * @returns {M}
+   */
   seen(material) {
     this.materials.push(material);
     material.customProgramCacheKey = () => `${this.kind.law} ${this.kind.lit}`;
@@ -71,14 +86,20 @@ export class Water {
     return material;
   }
 
-  // water, light: of scene.json
+  /**
+   * water, light: of scene.json
+   * @param {WaterData} water
+   * @param {LightData} light
+   */
   set(water, light) {
-    Object.assign(this, { water, light });
+    this.water = water;
+    this.light = light;
     const { law, attenuation } = this.turbid ? water : CLEAR;
     const { level, lamp, cone } = this.turbid ? light : DAYLIGHT;
     this.attenuation.fromArray(attenuation);
     this.veil.fromArray(water.veil).multiplyScalar(level);
-    this.colour.setRGB(...water.veil.map((share) => share * level), SRGBColorSpace);
+    const [red, green, blue] = water.veil;
+    this.colour.setRGB(red * level, green * level, blue * level, SRGBColorSpace);
     const { uniforms } = this;
     uniforms.daylight.value = level;
     uniforms.lamp.value = lamp;
@@ -86,6 +107,10 @@ export class Water {
     this.compileFor(law, lamp > 0);
   }
 
+  /**
+   * @param {WaterData["law"]} law
+   * @param {boolean} lit
+   */
   compileFor(law, lit) {
     if (law === this.kind.law && lit === this.kind.lit) return;
     this.kind = { law, lit };
@@ -97,13 +122,20 @@ export class Water {
     this.materials = [];
   }
 
+  /** @param {boolean} turbid */
   setTurbid(turbid) {
     this.turbid = turbid;
     if (this.water) this.set(this.water, this.light);
   }
 
-  // vehicle: its group in the world; mount: of the camera in the body frame [m], which looks down
+  /**
+   * vehicle: its group in the world; mount: of the camera in the body frame [m], which looks down
+   * @param {Object3D} vehicle
+   * @param {Triple} mount
+   * @param {Matrix4} toScreen
+   */
   lookFrom(vehicle, mount, toScreen) {
+    /** @type {(x: number, y: number, z: number) => Vector3} */
     const place = (x, y, z) => new Vector3(x, y, z).applyMatrix4(vehicle.matrix).applyMatrix4(toScreen);
     const [x, y, z] = mount;
     this.eye.copy(place(x, y, z));

@@ -1,0 +1,223 @@
+// What the server sends to the scripts of the pages. The browser does not load this file.
+
+/** A row of telemetry by column; null where a column has no value. `t` is the simulated time [s]. */
+export type Row = Record<string, number | null> & { t: number };
+
+/** Between two rows: the playhead is at `share` of the way from `row` to `next`. */
+export interface Between {
+  row: Row;
+  next: Row;
+  share: number;
+}
+
+export interface Column {
+  name: string;
+  unit: string;
+  meaning: string;
+}
+
+/** A chart of the benchmark, or one that somebody has made (`own`). */
+export interface Chart {
+  title: string;
+  unit: string;
+  columns: string[];
+  own?: boolean;
+}
+
+/** `run-data` of a page with a player: server/pages/run/player_data.py. */
+export interface PlayerData {
+  id: number;
+  benchmark: string;
+  live: boolean;
+  trials: number;
+  trial_s: number;
+  level_s: number;
+  levels: number[];
+  ordered: boolean;
+  names: string[];
+  level: { label: string; unit: string };
+  step_s: number;
+  charts: Chart[];
+  columns: Column[];
+  api: string;
+  events_after: string;
+}
+
+/** The run that a scene shows; ghosts have a colour of their own. */
+export interface SceneSource {
+  api: string;
+  colour?: string;
+}
+
+/** series.json */
+export interface SeriesAnswer {
+  t: number[];
+  columns: Record<string, (number | null)[]>;
+}
+
+/** moments.json; times in [s] */
+export interface Moments {
+  levels: { t: number }[];
+  losses: number[];
+  touches: number[];
+  largest_error: { t: number } | null;
+}
+
+export type Triple = [number, number, number];
+
+export interface Solid {
+  shape: "box" | "cylinder" | "capsule" | "sphere";
+  size: Triple;
+  centre: Triple;
+  colour: string;
+  livery: boolean;
+}
+
+export interface VehicleShape {
+  hull: { centre: Triple; size: Triple }[];
+  solids: Solid[];
+  thrusters: { position: Triple; direction: Triple }[];
+  thrust_max: number;
+  nozzle_radius: number;
+}
+
+export interface TargetShape {
+  centre: Triple;
+  size: Triple;
+  heading: number;
+}
+
+export interface Optics {
+  mount: Triple;
+  focal: number;
+  width: number;
+  height: number;
+}
+
+export interface WaterData {
+  law: "beer" | "uwsim";
+  attenuation: Triple;
+  veil: Triple;
+}
+
+export interface LightData {
+  level: number;
+  lamp: number;
+  cone: number;
+  forward: number;
+}
+
+/** scene.json: north, east, down; [m], [rad] */
+export interface SceneData {
+  vehicle: VehicleShape | null;
+  target: TargetShape;
+  seabed: { depth: number; tile: number };
+  camera: Optics;
+  water: WaterData;
+  light: LightData;
+}
+
+/** A state event of a run. */
+export interface RunState {
+  state: string;
+  viewers?: number;
+  position?: number;
+  estimate_s?: number | null;
+  why_waiting?: string | null;
+  progress?: number;
+  t_simulated?: number;
+}
+
+/** What listens to the event stream of a run. */
+export interface RunListener {
+  state?: (state: RunState) => void;
+  log?: (log: { text: string; gap: boolean }) => void;
+  attempt: () => void;
+  rows: (columns: string[], rows: number[][]) => void;
+  end: () => void;
+}
+
+/** The chart of metrics over levels. */
+export interface CurveData {
+  lines: { label: string; values: number[] }[];
+  x: number[];
+  x_label: string;
+  unit: string;
+  range: [number, number];
+  limit: number;
+  mark: number | null;
+  mark_label: string;
+}
+
+/** A chart of runs side by side: one column. */
+export interface ComparedChart {
+  column: string;
+  title: string;
+  unit: string;
+}
+
+/** `compare-data` of the page that compares runs. */
+export interface CompareData {
+  api: string;
+  runs: { id: number; api: string; columns: { name: string }[] }[];
+  trial_s: number;
+  trials: number;
+  levels: string[];
+  level_s: number;
+  charts: ComparedChart[];
+  columns_max: number;
+}
+
+/** The series of a run beside others; `start_s` is null where it has no telemetry. */
+export interface ComparedSeries extends SeriesAnswer {
+  run: number;
+  start_s: number | null;
+}
+
+/** A problem that a check has found in a program. */
+export interface Problem {
+  file?: string | null;
+  line: number | null;
+  sentence: string;
+  warning: boolean;
+}
+
+/** A check of a program: /api/v1/checks */
+export interface Check {
+  id: string;
+  state: string;
+  ok: boolean;
+  program_name: string;
+  problems: Problem[];
+  step_us: { count: number } | null;
+  usage: { cpu_s: number; memory_mib: number } | null;
+  traceback: string | null;
+  output: string | null;
+}
+
+/** A parameter that a program declares. */
+export interface Parameter {
+  name: string;
+  type: string;
+  default: number | boolean;
+  low: number | null;
+  high: number | null;
+  unit: string | null;
+  description: string | null;
+}
+
+export type SettingValue = string | number | boolean | (string | number)[];
+
+/** A preset of the form: settings, and a built-in controller or tracker. */
+export interface StartingPoint {
+  title: string;
+  summary: string;
+  built_in: string | null;
+  config: Record<string, SettingValue>;
+}
+
+/** The form of a run, with its controls by name; groups of radio buttons have a value, too. */
+export type RunForm = HTMLFormElement & {
+  elements: HTMLFormControlsCollection &
+    Record<string, HTMLInputElement> & { language: HTMLSelectElement; program_text: HTMLTextAreaElement };
+};
