@@ -20,6 +20,32 @@ from tests.services.oidc import Provider
 URL = "http://localhost"
 WORDS = "correct horse battery"
 _CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
+# What keeps its white space, and what white space beside it does not show.
+_KEPT = re.compile(r"(<(pre|textarea|script|template)\b.*?</\2>)", re.DOTALL)
+_BLOCKS = (
+    *("article", "button", "caption", "dd", "details", "div", "dl", "dt", "fieldset", "figure"),
+    *("form", r"h\d", "input", "label", "legend", "li", "main", "nav", "ol", "option", "p"),
+    *("section", "select", "summary", "table", "tbody", "td", "th", "thead", "tr", "ul"),
+)
+_BLOCK = re.compile(rf" ?(</?(?:{'|'.join(_BLOCKS)})\b[^>]*>) ?")
+
+
+def one_line(html: str) -> str:
+    """Return a page without the breaks of lines that do not show."""
+    parts = _KEPT.split(html)
+    loose = [_BLOCK.sub(r"\1", re.sub(r"\s+", " ", part)) for part in parts[::3]]
+    kept = [*parts[1::3], ""]
+    return "".join(part for pair in zip(loose, kept, strict=True) for part in pair)
+
+
+class PageText(TestResponse):
+    """A response whose page is read as it shows."""
+
+    @property
+    def text(self) -> str:
+        """The page in one line; anything else as it was sent."""
+        sent = self.get_data(as_text=True)
+        return one_line(sent) if self.mimetype == "text/html" else sent
 
 
 @dataclass
@@ -51,6 +77,7 @@ class Site(Backend):
     def browser(self, name: str = "stranger") -> Browser:
         """Return a browser in which `name` is signed in; a stranger's is empty."""
         client = self.app.test_client()
+        client.response_wrapper = type("Page", (PageText, client.response_wrapper), {})
         with client.session_transaction() as session:
             session.update(self.cookies[name])
         return Browser(client)
