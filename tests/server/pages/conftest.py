@@ -23,9 +23,10 @@ _CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
 # What keeps its white space, and what white space beside it does not show.
 _KEPT = re.compile(r"(<(pre|textarea|script|template)\b.*?</\2>)", re.DOTALL)
 _BLOCKS = (
-    *("article", "button", "caption", "dd", "details", "div", "dl", "dt", "fieldset", "figure"),
-    *("form", r"h\d", "input", "label", "legend", "li", "main", "nav", "ol", "option", "p"),
-    *("section", "select", "summary", "table", "tbody", "td", "th", "thead", "tr", "ul"),
+    *("article", "button", "caption", "circle", "dd", "details", "div", "dl", "dt", "fieldset"),
+    *("figure", "form", r"h\d", "input", "label", "legend", "li", "main", "nav", "ol", "option"),
+    *("p", "section", "select", "summary", "table", "tbody", "td", "th", "thead", "title"),
+    *("tr", "ul"),
 )
 _BLOCK = re.compile(rf" ?(</?(?:{'|'.join(_BLOCKS)})\b[^>]*>) ?")
 
