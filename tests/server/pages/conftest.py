@@ -21,7 +21,7 @@ URL = "http://localhost"
 WORDS = "correct horse battery"
 _CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
 # What keeps its white space, and what white space beside it does not show.
-_KEPT = re.compile(r"(<(pre|textarea|script|template)\b.*?</\2>)", re.DOTALL)
+_KEPT = re.compile(r"(<(pre|textarea|script|template)\b[^>]*>)(.*?</\2>)", re.DOTALL)
 _BLOCKS = (
     *("article", "button", "caption", "circle", "dd", "details", "div", "dl", "dt", "fieldset"),
     *("figure", "form", r"h\d", "input", "label", "legend", "li", "main", "nav", "ol", "option"),
@@ -33,10 +33,13 @@ _BLOCK = re.compile(rf" ?(</?(?:{'|'.join(_BLOCKS)})\b[^>]*>) ?")
 
 def one_line(html: str) -> str:
     """Return a page without the breaks of lines that do not show."""
-    parts = _KEPT.split(html)
-    loose = [_BLOCK.sub(r"\1", re.sub(r"\s+", " ", part)) for part in parts[::3]]
-    kept = [*parts[1::3], ""]
-    return "".join(part for pair in zip(loose, kept, strict=True) for part in pair)
+    *before, last = _KEPT.split(html)
+    parts = zip(before[::4], before[1::4], before[3::4], strict=True)
+    return "".join(_joined(loose + tag) + kept for loose, tag, kept in parts) + _joined(last)
+
+
+def _joined(markup: str) -> str:
+    return _BLOCK.sub(r"\1", re.sub(r"\s+", " ", markup))
 
 
 class PageText(TestResponse):
