@@ -1,26 +1,31 @@
-"""Runs a hostile program for real, as a worker would: one trial of some steps."""
+"""Runs a hostile program for real, as a worker would: one trial of some steps or images."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from seamark.sandbox.box import Box
+from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
-from seamark.sandbox.limits import Limits
+from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
+from seamark.sandbox.probing.self_test import tried
+from tests.hostile.corpus import Case, case
 
-PROGRAMS = Path(__file__).with_name("programs")
-STEPS = 20
+STEPS, IMAGES = 20, 6
 LAYOUT = {
     "observation": [["t", 0], ["error", 3], ["depth", 0], ["target_visible", 0]],
     "booleans": ["target_visible"],
     "command": ["surge", "sway", "heave", "yaw_rate"],
 }
+CORNERS = [[10.0, 20.0], [30.0, 20.0], [30.0, 40.0], [10.0, 40.0]]
 LIMITS = Limits(
     cpu_s=1.0,
     wall_s=20.0,
@@ -37,53 +42,102 @@ LIMITS = Limits(
 LONG_WAITS = replace(LIMITS, cpu_s=5.0, start_wall_s=20.0, step_wall_s=10.0)
 # For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
 SHORT_WAITS = replace(LIMITS, start_wall_s=2.0)
+MEMORY_MIB = {"matlab": 256}  # Octave has 180 MiB of address space by itself
+COMPILER = replace(COMPILING, cpu_s=3.0)  # the bombs would use up any limit
 
-Run = Callable[..., Outcome]
+
+class Ended(NamedTuple):
+    """How a program ended, and what a tracker answered."""
+
+    outcome: Outcome
+    answers: list[object]
+
+
+Run = Callable[..., Ended]
 
 
 @pytest.fixture(scope="session")
-def run(isolation: IsolationLevel) -> Run:
-    """Return a function that runs one program of the corpus and returns its outcome."""
+def run_case(isolation: IsolationLevel) -> Run:
+    """Return a function that compiles and runs one program of the corpus."""
 
     def run_one(
-        name: str,
-        *,
-        at: IsolationLevel = isolation,
-        layers: Layers | None = None,
-        limits: Limits = LIMITS,
-    ) -> Outcome:
-        return stepped(PROGRAMS / f"{name}.py", Box(limits=limits, isolation=at, layers=layers))
+        program: Case, *, at: IsolationLevel = isolation, limits: Limits | None = None
+    ) -> Ended:
+        if why := missing(program.language, isolation):
+            pytest.skip(why)
+        name, source = program.upload
+        answers: list[object] = []
+        try:
+            binary = compiled(program.language, source, name, isolation=at, limits=COMPILER)
+            with Box(program.language, limits=limits or limits_for(program), isolation=at) as box:
+                serve = followed if program.is_tracker else stepped
+                return Ended(serve(box, binary, name, program.config, answers), answers)
+        except ProgramEnded as end:
+            return Ended(end.outcome, answers)
 
     return run_one
 
 
 @pytest.fixture(scope="session")
-def run_file(isolation: IsolationLevel) -> Run:
-    """Return a function that runs a program by its path and returns its outcome."""
+def run(isolation: IsolationLevel) -> Callable[..., Outcome]:
+    """Return a function that runs a program in Python, without one of the layers if need be."""
 
-    def run_one(path: Path, *, layers: Layers | None = None, **config: object) -> Outcome:
-        return stepped(path, Box(limits=LIMITS, isolation=isolation, layers=layers), **config)
+    def run_one(
+        program: str | Path,
+        *,
+        layers: Layers | None = None,
+        limits: Limits = LIMITS,
+        **config: object,
+    ) -> Outcome:
+        if isinstance(program, str):
+            name, source, config = program, case(program).source, case(program).config
+        else:
+            name, source = program.stem, program.read_bytes()
+        with Box(limits=limits, isolation=isolation, layers=layers) as box:
+            try:
+                return stepped(box, source, f"{name}.py", config, [])
+            except ProgramEnded as end:
+                return end.outcome
 
     return run_one
 
 
-def limits_for(expected: Mapping[str, Any]) -> Limits:
+@cache
+def missing(language: str, isolation: IsolationLevel) -> str:
+    return tried(language, isolation).why_not
+
+
+def limits_for(program: Case) -> Limits:
     """Return the limits for a program of a table."""
-    if expected["verdict"] != Verdict.TIME_LIMIT:
-        return LONG_WAITS
-    return SHORT_WAITS if expected.get("waits") else LIMITS
+    limits = LONG_WAITS
+    if program.expected["verdict"] == Verdict.TIME_LIMIT:
+        limits = SHORT_WAITS if program.expected.get("waits") else LIMITS
+    memory_mib = MEMORY_MIB.get(program.language, limits.memory_mib)
+    return replace(limits, memory_mib=memory_mib)
 
 
-def stepped(path: Path, started: Box, **config: object) -> Outcome:
-    with started as box:
-        try:
-            box.load(path.read_bytes(), path.name, {"kp": 0.5} | config, LAYOUT)
-            box.reset({"index": 0})
-            for step in range(STEPS):
-                box.step([step / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
-            return box.finish()
-        except ProgramEnded as end:
-            return end.outcome
+def stepped(
+    box: Box, source: bytes, name: str, config: dict[str, object], answers: list[object]
+) -> Outcome:
+    """Ask a controller for commands."""
+    box.load(source, name, config, LAYOUT)
+    box.reset({"index": 0})
+    for step in range(STEPS):
+        answers.append(box.step([step / 20, 0.1, 0.2, 0.3, 5.0, 1.0]))
+    return box.finish()
+
+
+def followed(
+    box: Box, source: bytes, name: str, config: dict[str, object], answers: list[object]
+) -> Outcome:
+    """Show a tracker some images."""
+    image = np.zeros((240, 320), np.uint8)
+    box.load(source, name, config, {"role": "tracker"})
+    box.start(image, CORNERS)
+    for value in range(IMAGES):
+        image[:] = value
+        answers.append(box.update(image))
+    return box.finish()
 
 
 @pytest.fixture

@@ -1,66 +1,174 @@
-"""Every hostile program gets the verdict of the table, and achieves nothing."""
+"""Every hostile program ends as its table says and achieves nothing; outside a box it gets through.
 
+At the compiler, at the start, while it runs, at its end: controllers and trackers in all languages.
+"""
+
+import os
 import re
-import tomllib
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, Verdict
-from tests.hostile.conftest import limits_for
+from seamark.sandbox.protocol.answers import Loss
+from tests.hostile.conftest import LIMITS, limits_for
+from tests.hostile.control import outside
+from tests.hostile.corpus import CASES, FRAMES, TABLES, TRACKERS, Case, case, programs
 
 pytestmark = pytest.mark.host
 
-TABLE = tomllib.loads(Path(__file__).with_name("expectations.toml").read_text(encoding="utf-8"))
-PROGRAMS = Path(__file__).with_name("programs")
+each_case = pytest.mark.parametrize("program", CASES, ids=str)
 # Medium isolation has all layers except the control groups: the programs that these would stop run
 # again, and one program of every other group.
 STOPPED_BY_CGROUPS = re.compile(
     r"exhaustion_|time_|processes_(fork|threads|shell|system|kill|signal)"
 )
-GROUPS = {name.split("_", 1)[0]: name for name in sorted(TABLE, reverse=True)}
-AT_MEDIUM = sorted(
-    {name for name in TABLE if STOPPED_BY_CGROUPS.match(name)} | set(GROUPS.values())
+GROUPS = {name.split("_", 1)[0]: name for name in sorted(TABLES["python"], reverse=True)}
+TRACKERS_AT_MEDIUM = re.compile(
+    r"keeps_every_image.py|sleeps.py|spins.py|unprotects_image|resizes_images.c|writes_image.c"
+    r"|changes_image.m"
 )
+AT_MEDIUM = [
+    program
+    for program in CASES
+    if (
+        TRACKERS_AT_MEDIUM.match(program.name)
+        if program.folder == TRACKERS
+        else STOPPED_BY_CGROUPS.match(program.name) or program.name in GROUPS.values()
+    )
+    and program.folder in (TRACKERS, "python")
+]
+NOT_IN_THIS_KERNEL = re.compile(r".*\[Errno (?:38|97)\].*")  # ENOSYS, EAFNOSUPPORT
 
 
 def got(outcome: Outcome) -> str:
     """Return what an attack printed about its success."""
-    found = re.search(rb"GOT.*", outcome.output)
-    return found[0].decode() if found else ""
+    line = re.search(rb"GOT.*", outcome.output)
+    return line[0].decode("utf-8", "replace") if line else ""
 
 
-def test_every_program_has_an_expectation_and_every_expectation_a_program() -> None:
-    assert {path.stem for path in PROGRAMS.glob("*.py")} == set(TABLE)
+@pytest.mark.parametrize("folder", TABLES)
+def test_every_program_has_an_expectation_and_every_expectation_a_program(folder) -> None:
+    assert programs(folder) == set(TABLES[folder])
 
 
-@pytest.mark.parametrize("name", sorted(TABLE))
-def test_a_hostile_program_ends_as_the_table_says(name, run, secret) -> None:
-    expected = TABLE[name]
+@each_case
+def test_every_program_says_what_is_seen_outside_the_box(program) -> None:
+    assert program.expected["outside"]
 
-    outcome = run(name, limits=limits_for(expected))
+
+@each_case
+def test_outside_the_box_a_hostile_program_gets_through(program, isolation, tmp_path) -> None:
+    if os.geteuid() != 0 or isolation is not IsolationLevel.STRONG:
+        pytest.skip("outside the box it needs root, and control groups that hold it")
+    expected = program.expected
+
+    limits = replace(limits_for(program), cpu_s=LIMITS.cpu_s)
+
+    seen = outside(program, limits, tmp_path)
+
+    if "absent" in expected and (refused := NOT_IN_THIS_KERNEL.search(seen)):
+        pytest.skip(f"{program}: this kernel is without {expected['absent']}: {refused[0]}")
+    assert re.search(expected["outside"], seen), seen
+
+
+@dataclass(frozen=True)
+class Honest(Case):
+    """A program that does nothing wrong."""
+
+    text: bytes = b""
+
+    @property
+    def expected(self) -> dict[str, str]:
+        return {"outside": "exited with", "verdict": Verdict.OK}
+
+    @property
+    def source(self) -> bytes:
+        return self.text
+
+    @property
+    def path(self) -> Path:
+        return Path(self.name)
+
+
+HONEST = [
+    Honest(
+        "python",
+        "honest.py",
+        (FRAMES / "controller.py").read_bytes()
+        + b"""
+HELD = ()
+globals()[""] = lambda observation: None
+""",
+    ),
+    Honest(
+        "c_family",
+        "honest.c",
+        b"""#include "seamark.h"
+int seamark_step(const seamark_observation *observation, seamark_command *command) { return 0; }
+""",
+    ),
+    Honest("fmu", "honest.c", b'#include "fmu.h"'),
+    Honest(
+        "matlab",
+        "honest.m",
+        b"""
+function [command, state] = controller_step(state, observation)
+    command = [0, 0, 0, 0];
+end
+""",
+    ),
+]
+
+
+@pytest.mark.parametrize("program", HONEST, ids=lambda program: program.folder)
+def test_an_honest_program_is_seen_to_do_nothing_outside_the_box(
+    program, isolation, tmp_path
+) -> None:
+    if os.geteuid() != 0 or isolation is not IsolationLevel.STRONG:
+        pytest.skip("outside the box it needs root, and control groups that hold it")
+
+    seen = outside(program, limits_for(program), tmp_path)
+
+    assert "CALLER: finished" in seen
+    assert not re.search("GOT|takes more|longer log|took|arrived|left|changed|closed", seen), seen
+
+
+@each_case
+def test_a_hostile_program_ends_as_the_table_says(program, run_case, isolation, secret) -> None:
+    expected = program.expected
+    # Without control groups nothing counts for the whole box: it is stopped all the same, but the
+    # verdict depends on how the program reacts to the refusal.
+    at_medium = expected.get("medium") if isolation is IsolationLevel.MEDIUM else None
+
+    outcome, answers = run_case(program)
 
     assert got(outcome) == ""
-    assert outcome.verdict == expected["verdict"], outcome
+    assert outcome.verdict == (at_medium or expected["verdict"]), outcome
     assert outcome.suspect_host == expected.get("waits", outcome.suspect_host)
     assert re.search(expected.get("says", ""), outcome.sentence), outcome.sentence
     assert secret.encode() not in outcome.output
     assert len(outcome.output) < 5000
+    for path in ("/tmp/", "/box/native/runner.c:", "\x1b"):
+        assert path not in outcome.sentence + outcome.traceback
+    numbers = [answer for answer in answers if not isinstance(answer, Loss)]
+    assert np.isfinite(np.array(numbers)).all()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", AT_MEDIUM)
-def test_it_achieves_nothing_with_medium_isolation_either(name, run, isolation) -> None:
+@pytest.mark.parametrize("program", AT_MEDIUM, ids=str)
+def test_it_achieves_nothing_with_medium_isolation_either(program, run_case, isolation) -> None:
     if isolation is IsolationLevel.MEDIUM:
         pytest.skip("this host has medium isolation: it just ran")
-    expected = TABLE[name]
 
-    outcome = run(name, at=IsolationLevel.MEDIUM, limits=limits_for(expected))
+    outcome, _ = run_case(program, at=IsolationLevel.MEDIUM)
 
     assert got(outcome) == ""
-    assert outcome.verdict == expected["verdict"], outcome
+    assert outcome.verdict == program.expected["verdict"], outcome
 
 
 @pytest.mark.parametrize("name", ["time_spin_init", "time_spin_reset", "time_spin_import"])
@@ -72,8 +180,17 @@ def test_a_program_that_used_up_its_cpu_time_is_to_blame_on_a_busy_host_too(name
 
 
 def test_a_traceback_has_the_line_of_the_program_and_no_frame_of_ours(run) -> None:
+    line = case("values_set_observation").source.decode().splitlines().index(STATEMENT) + 1
+
     outcome = run("values_set_observation")
 
-    assert 'File "values_set_observation.py", line 9, in step' in outcome.traceback
-    assert "observation.t = 0.0" in outcome.traceback
+    assert f'File "values_set_observation.py", line {line}, in set_obs' in outcome.traceback
+    assert STATEMENT.strip() in outcome.traceback
     assert "runner" not in outcome.traceback
+
+
+STATEMENT = "    observation.t = 9.0"
+
+
+def test_the_corpus_has_at_least_three_hundred_programs() -> None:
+    assert len(CASES) >= 300

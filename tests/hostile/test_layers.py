@@ -14,7 +14,6 @@ from seamark.sandbox.isolation.process_tree import Layers
 pytestmark = pytest.mark.host
 
 LAYERS = Path(__file__).with_name("layers")
-PROGRAMS = Path(__file__).with_name("programs")
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
 
 # Stopped by the filter only.
@@ -51,30 +50,30 @@ def without(name: str) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize("program", sorted(LAYERS.glob("*.py")), ids=lambda path: path.stem)
-def test_with_all_layers_no_attack_succeeds(program, run_file, isolation) -> None:
+def test_with_all_layers_no_attack_succeeds(program, run, isolation) -> None:
     if program.stem == "memory_together" and isolation is not IsolationLevel.STRONG:
         pytest.skip("without control groups nothing counts for the whole box")
 
-    outcome = run_file(program, port=9)
+    outcome = run(program, port=9)
 
     assert b"GOT" not in outcome.output
 
 
 @pytest.mark.parametrize("name", STOPPED_BY_FILTER)
-def test_the_suite_notices_when_the_filter_is_off(name, run_file, all_layers) -> None:
-    outcome = run_file(PROGRAMS / f"{name}.py", layers=replace(all_layers, seccomp=False))
+def test_the_suite_notices_when_the_filter_is_off(name, run, all_layers) -> None:
+    outcome = run(name, layers=replace(all_layers, seccomp=False))
 
     assert b"GOT" in outcome.output
 
 
 @pytest.mark.parametrize(("namespace", "name"), STOPPED_BY_NAMESPACE.items())
-def test_the_suite_notices_when_a_namespace_is_off(namespace, name, run_file, all_layers) -> None:
+def test_the_suite_notices_when_a_namespace_is_off(namespace, name, run, all_layers) -> None:
     layers = replace(all_layers, namespaces=without(namespace))
 
-    assert b"GOT" in run_file(LAYERS / f"{name}.py", layers=layers).output
+    assert b"GOT" in run(LAYERS / f"{name}.py", layers=layers).output
 
 
-def test_the_network_is_held_twice_by_its_namespace_and_by_the_filter(run_file, all_layers) -> None:
+def test_the_network_is_held_twice_by_its_namespace_and_by_the_filter(run, all_layers) -> None:
     program = LAYERS / "reaches_network.py"
     open_network = replace(all_layers, namespaces=without("net"))
     no_filter = replace(all_layers, seccomp=False)
@@ -82,22 +81,22 @@ def test_the_network_is_held_twice_by_its_namespace_and_by_the_filter(run_file, 
 
     with socket.create_server(("127.0.0.1", 0)) as service:
         port = service.getsockname()[1]
-        assert b"held" in run_file(program, layers=open_network, port=port).output
-        assert b"held" in run_file(program, layers=no_filter, port=port).output
-        assert b"GOT" in run_file(program, layers=neither, port=port).output
+        assert b"held" in run(program, layers=open_network, port=port).output
+        assert b"held" in run(program, layers=no_filter, port=port).output
+        assert b"GOT" in run(program, layers=neither, port=port).output
 
 
 @pytest.mark.usefixtures("strong")
-def test_the_suite_notices_when_the_control_groups_are_off(run_file, all_layers) -> None:
+def test_the_suite_notices_when_the_control_groups_are_off(run, all_layers) -> None:
     program = LAYERS / "memory_together.py"
 
-    assert b"GOT" in run_file(program, layers=replace(all_layers, cgroups=False)).output
+    assert b"GOT" in run(program, layers=replace(all_layers, cgroups=False)).output
 
 
 @as_root
-def test_the_suite_notices_when_a_box_keeps_the_workers_uid(run_file, all_layers) -> None:
-    program = PROGRAMS / "regression_bubblewrap_root_keeps_uid_0.py"
-
-    outcome = run_file(program, layers=replace(all_layers, own_uid=False))
+def test_the_suite_notices_when_a_box_keeps_the_workers_uid(run, all_layers) -> None:
+    outcome = run(
+        "regression_bubblewrap_root_keeps_uid_0", layers=replace(all_layers, own_uid=False)
+    )
 
     assert b"GOT a uid without limits" in outcome.output

@@ -1,18 +1,7 @@
 /* Corners in an order that makes no convex quadrilateral. */
-#include "seamark.h"
 
-static double before[8];
-
-int seamark_tracker_start(const seamark_image *image, const double corners[8]) {
-    (void)image;
-    for (int i = 0; i < 8; i++) before[i] = corners[i];
-    return 0;
-}
-
-int seamark_tracker_update(const seamark_image *image, double corners[8]) {
-    (void)image;
-    for (int i = 0; i < 8; i++) corners[i] = before[i];
+static void attack(const seamark_image *image, double corners[8]) {
+    (void)image, (void)corners;
     corners[2] = before[4], corners[3] = before[5];
     corners[4] = before[2], corners[5] = before[3];
-    return 1;
 }

@@ -3,7 +3,3 @@ function [corners, state] = tracker_update(state, image)
     corners = state.corners;
     corners = corners + 1i;
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

@@ -9,7 +9,3 @@ function [corners, state] = tracker_update(state, image)
         end
     end
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

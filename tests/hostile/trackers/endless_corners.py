@@ -1,20 +1,12 @@
 """Answers with corners without an end."""
 
 
-class Tracker:
-    def __init__(self, config):
-        pass
+def attack(image):
+    class Endless(list):
+        def __iter__(self):
+            return iter(int, 1)
 
-    def start(self, image, corners):
-        self.corners = corners
-        pass
+        def __len__(self):
+            return 4
 
-    def update(self, image):
-        class Endless(list):
-            def __iter__(self):
-                return iter(int, 1)
-
-            def __len__(self):
-                return 4
-
-        return Endless([[1.0, 2.0]] * 4)
+    return Endless([[1.0, 2.0]] * 4)

@@ -3,7 +3,3 @@ function [corners, state] = tracker_update(state, image)
     corners = state.corners;
     exit(0);
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

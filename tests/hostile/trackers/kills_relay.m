@@ -3,7 +3,3 @@ function [corners, state] = tracker_update(state, image)
     corners = state.corners;
     kill(-1, 9);
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

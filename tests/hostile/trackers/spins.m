@@ -4,7 +4,3 @@ function [corners, state] = tracker_update(state, image)
     while true
     end
 end
-
-function state = tracker_start(state, image, corners)
-    state.corners = corners;
-end

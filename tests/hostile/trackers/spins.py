@@ -1,14 +1,6 @@
 """Takes for ever."""
 
 
-class Tracker:
-    def __init__(self, config):
+def attack(image):
+    while True:
         pass
-
-    def start(self, image, corners):
-        self.corners = corners
-        pass
-
-    def update(self, image):
-        while True:
-            pass

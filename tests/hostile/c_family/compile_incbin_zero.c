@@ -1,7 +1,0 @@
-#include "seamark.h"
-__asm__(".incbin \"/dev/zero\"");
-
-int seamark_step(const seamark_observation *observation, seamark_command *command) {
-    command->surge = observation->error[0];
-    return 0;
-}

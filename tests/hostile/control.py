@@ -1,0 +1,172 @@
+"""Calls hostile programs outside the box: there they must get through, or a test proves nothing.
+
+A caller without any guard calls the program as root, on a copy of the machine (callers/init.py), in
+a control group with bounds of its own. What is seen: what the program prints, and what its caller
+says of it. It ends as soon as the expected is seen.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from seamark.sandbox.isolation.cgroups import ControlGroup
+from seamark.sandbox.languages import c_family, matlab
+from seamark.sandbox.limits import Limits
+from tests.hostile.corpus import HERE, Case
+
+CALLERS = HERE / "callers"
+RUNNERS = (
+    Path(c_family.__file__).with_name("runner.c"),
+    Path(matlab.__file__).with_name("inside") / "runner.m",
+)
+NAMESPACES = ("--mount", "--uts", "--ipc", "--net", "--pid", "--fork", "--kill-child")
+JOIN = 'for file in $0; do echo 0 > "$file"; done; exec "$@"'
+BOUNDS = Limits(cpu_s=60.0, wall_s=60.0, memory_mib=640, processes=100)
+ENDS_AFTER_S = 20.0  # [s] what was to be seen by then was not
+WAITS_S = 1.5  # [s] with less than that much CPU time, longer than any limit of an answer
+COMPILERS = {".c": ("gcc",), ".cpp": ("g++",)}
+
+
+@dataclass
+class Seen:
+    """What a program printed outside the box, and what its caller says of it."""
+
+    text: str = ""
+
+    def note(self, text: str) -> None:
+        self.text += f"\nCALLER: {text}\n"
+
+
+class Excess:
+    """What a program takes beyond the limits of the tests' boxes."""
+
+    def __init__(self, group: ControlGroup, limits: Limits) -> None:
+        self._group, self._limits = group, limits
+        self._noted: set[str] = set()
+        self._since = time.monotonic()
+
+    def notes(self, printed: int, *, called: bool) -> Iterator[str]:
+        """Yield what is new."""
+        if not called:
+            self._since, self._before_s = time.monotonic(), self._group.cpu_s()
+            return
+        limits, waited_s = self._limits, time.monotonic() - self._since
+        cpu_s = self._group.cpu_s() - self._before_s
+        every = {
+            "more CPU time": cpu_s > limits.cpu_s,
+            "more memory": self._group.memory_mib() > limits.memory_mib,
+            "more processes": len(self._group.threads()) > limits.processes + 10,
+            "a longer log than is kept": printed > limits.output_kib << 10,
+            "a longer log": printed > limits.output_max_mib << 20,
+            "its caller's time": waited_s > WAITS_S and cpu_s < waited_s / 2,
+        }
+        for name in [name for name, excess in every.items() if excess]:
+            if name not in self._noted:
+                self._noted.add(name)
+                yield f"takes {name}"
+
+
+def outside(case: Case, limits: Limits, folder: Path) -> str:
+    """Return what is seen of a program, as far as it was needed to see what the table says.
+
+    `limits` are those of the box: what goes beyond is seen.
+    """
+    attack, overlay = folder / "attack", folder / "overlay"
+    for one in (
+        attack,
+        overlay,
+        attack / "box",
+        attack / "box" / "native",
+        attack / "box" / "octave",
+    ):
+        one.mkdir()
+    for runner in RUNNERS:  # some programs are interested in them
+        shutil.copy(runner, attack / "box" / ("octave" if runner.suffix == ".m" else "native"))
+    seen = Seen()
+    group = ControlGroup(BOUNDS)
+    try:
+        command = command_of(case, attack)
+        start = ["/bin/sh", "-c", JOIN, " ".join(group.procs_files())]
+        start += ["unshare", *NAMESPACES, sys.executable, "-I", "-S", str(CALLERS / "init.py")]
+        with subprocess.Popen(
+            [*start, str(overlay), str(attack), *command],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        ) as process:
+            try:
+                watch(process, seen, Excess(group, limits), re.compile(case.expected["outside"]))
+            finally:
+                group.kill()
+    finally:
+        group.remove()
+    return seen.text
+
+
+def watch(process: subprocess.Popen[bytes], seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
+    """Read and measure until what is wanted is seen, or nothing follows."""
+    assert process.stdout is not None
+    reading, printed = process.stdout.fileno(), 0
+    os.set_blocking(reading, False)
+    until = time.monotonic() + ENDS_AFTER_S
+    while time.monotonic() < until and not wanted.search(seen.text):
+        try:
+            data = os.read(reading, 1 << 20)
+        except BlockingIOError:
+            data = b" "
+            time.sleep(0.01)
+        else:
+            printed += len(data)
+            seen.text = (seen.text + data.decode("utf-8", "replace"))[-100_000:]
+        for note in excess.notes(printed, called="CALLER: calls" in seen.text or printed > 10_000):
+            seen.note(note)
+        if not data:
+            return
+
+
+def command_of(case: Case, attack: Path) -> list[str]:
+    """Return the command that calls a program; what it needs is in the folder."""
+    role = "tracker" if case.is_tracker else "controller"
+    suffix = case.path.suffix
+    first = b"1;\n" if suffix == ".m" else b""  # Octave: a script, not one function
+    (attack / f"program{suffix}").write_bytes(first + case.source)
+    if suffix == ".py":
+        import json
+
+        shutil.copy(CALLERS / "caller.py", attack)
+        script = [sys.executable, "-s", "-P", "/attack/caller.py", "/attack/program.py"]
+        return [*script, json.dumps(case.config), role]
+    if suffix == ".m":
+        shutil.copy(CALLERS / "caller.m", attack)
+        octave = "/usr/bin/octave-cli", "--norc", "--no-history", "--no-gui", "--no-line-editing"
+        return [*octave, "--quiet", "/attack/caller.m", "/attack/program.m", role]
+    return compiling(case, attack, suffix)
+
+
+def compiling(case: Case, attack: Path, suffix: str) -> list[str]:
+    """Return the command that compiles a program with its caller, and starts it."""
+    caller = "caller_of_fmu.c" if case.folder == "fmu" else "caller.c"
+    shutil.copy(CALLERS / caller, attack / "caller.c")
+    parts = ["program.o", "caller.o"]
+    if case.folder == "fmu":
+        shutil.copytree(HERE / "fmu" / "common", attack, dirs_exist_ok=True)
+        parts += ["model.c"]
+    else:
+        shutil.copy(Path(c_family.__file__).with_name("seamark.h"), attack)
+    kind = "-DTRACKER" if case.is_tracker else "-DMODEL" if case.name.startswith("model_") else ""
+    compiler = "g++" if suffix == ".cpp" else "gcc"
+    steps = (
+        f"gcc {kind} -c caller.c -o caller.o",
+        "echo && echo CALLER: calls",  # the compiler: what it takes is seen, too
+        f"{compiler} -O1 -w -I. -c program{suffix} -o program.o",
+        "echo && echo CALLER: the compiler takes $(stat -c %s program.o) bytes",
+        f"{compiler} {' '.join(parts)} -o program -lm",
+        "exec ./program",
+    )
+    return ["/bin/sh", "-c", " && ".join(steps)]

@@ -1,0 +1,4 @@
+
+function state = tracker_start(state, image, corners)
+    state.corners = corners;
+end

@@ -1,9 +1,0 @@
-"""Answers with a string."""
-
-
-class Controller:
-    def __init__(self, config):
-        self.count = 0
-
-    def step(self, observation):
-        return "0000"
