@@ -1,4 +1,4 @@
-"""Every limit of a box, in one place. Units are in the names."""
+"""Every limit of a box. Units are in the names."""
 
 import math
 from dataclasses import asdict, dataclass

@@ -62,10 +62,10 @@ class Descriptors:
 
 def bubblewrap() -> str:
     """Return the path of bwrap; SandboxBroken with the remedy if it is missing."""
-    found = shutil.which("bwrap", path=os.environ.get("PATH", "/usr/bin:/bin"))
-    if found is None:
+    path = shutil.which("bwrap", path=os.environ.get("PATH", "/usr/bin:/bin"))
+    if path is None:
         raise SandboxBroken("bubblewrap is not installed (apt-get install bubblewrap)")
-    return found
+    return path
 
 
 def bwrap_command(

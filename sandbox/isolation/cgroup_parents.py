@@ -63,25 +63,25 @@ def parent_groups(proc: Path = PROC) -> CgroupPaths:
     unified = _unified(mounts, own)
     if unified is not None and REQUIRED <= (enabled := _controllers(unified)):
         shares = unified if "cpu" in enabled else None
-        found = CgroupPaths(unified, unified, unified, shares, unified)
+        paths = CgroupPaths(unified, unified, unified, shares, unified)
     elif {"memory", "pids", "cpuacct"} <= v1.keys():
         shares = v1["cpu"] if "cpu" in v1 and os.access(v1["cpu"], os.W_OK) else None
-        found = CgroupPaths(v1["memory"], v1["pids"], v1["cpuacct"], shares, unified)
+        paths = CgroupPaths(v1["memory"], v1["pids"], v1["cpuacct"], shares, unified)
     else:
         raise SandboxBroken("no control groups with the memory and pids controllers")
-    for folder in {found.memory, found.pids, found.cpu_usage}:
+    for folder in {paths.memory, paths.pids, paths.cpu_usage}:
         if not os.access(folder, os.W_OK):
             raise SandboxBroken(f"no permission to create control groups in {folder}")
-    return found
+    return paths
 
 
 def _mounts(proc: Path) -> dict[str, tuple[Path, str]]:
     """Return controller (or "unified") -> mount point and the group that is mounted there."""
     mounts: dict[str, tuple[Path, str]] = {}
     for line in (proc / "mountinfo").read_text().splitlines():
-        left, _, right = line.partition(" - ")
-        root, point = left.split()[3:5]
-        filesystem, _, options = right.split(" ", 2)
+        mount, _, superblock = line.partition(" - ")
+        root, point = mount.split()[3:5]
+        filesystem, _, options = superblock.split(" ", 2)
         if filesystem == "cgroup2":
             mounts["unified"] = (Path(point), root)
         elif filesystem == "cgroup":

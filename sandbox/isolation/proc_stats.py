@@ -20,10 +20,10 @@ def tree(pid: int) -> list[int]:
     for name in os.listdir("/proc"):
         if name.isdigit():
             children.setdefault(parent_of(int(name)), []).append(int(name))
-    found = [pid]
-    for one in found:  # grows during the iteration
-        found += children.get(one, [])
-    return found
+    pids = [pid]
+    for one in pids:  # grows during the iteration
+        pids += children.get(one, [])
+    return pids
 
 
 def cpu_s(pids: Iterable[int]) -> float:
@@ -35,17 +35,17 @@ def cpu_s(pids: Iterable[int]) -> float:
 
 def threads(pids: Iterable[int]) -> list[int]:
     """Return the ids of all threads of processes."""
-    found: list[int] = []
+    thread_ids: list[int] = []
     for pid in pids:
         with contextlib.suppress(OSError):  # the process ended meanwhile
-            found += map(int, os.listdir(f"/proc/{pid}/task"))
-    return found
+            thread_ids += map(int, os.listdir(f"/proc/{pid}/task"))
+    return thread_ids
 
 
 def run_queue_waits_s(threads: Iterable[int]) -> dict[int, float]:
     """Return thread -> how long it was ready to run and waited for a core [s]."""
     fields = {thread: _text(Path(f"/proc/{thread}/schedstat")).split() for thread in threads}
-    return {thread: int(found[1]) / 1e9 for thread, found in fields.items() if found}
+    return {thread: int(times[1]) / 1e9 for thread, times in fields.items() if times}
 
 
 def memory_mib(pid: int) -> float:

@@ -48,7 +48,7 @@ class SharedImages:
         return self._put(0, image)
 
     def put_next(self, image: object) -> bytes:
-        """Store an image in place of the last but one; return its IMAGE header."""
+        """Store an image over the last but one; return its IMAGE header."""
         self._updates += 1
         return self._put(1 + self._updates % (SLOTS - 1), image)
 

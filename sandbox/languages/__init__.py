@@ -54,5 +54,5 @@ def starters(role: str = CONTROLLER) -> dict[str, Sample]:
 
 def editor_starters(role: str) -> dict[str, Sample]:
     """Return the programs that the form's editor starts with, by language: those of one text."""
-    found = {name: language.starter(role) for name, language in LANGUAGES.items()}
-    return {name: one for name, one in found.items() if one and LANGUAGES[name].is_text}
+    texts = {name: language.starter(role) for name, language in LANGUAGES.items()}
+    return {name: one for name, one in texts.items() if one and LANGUAGES[name].is_text}

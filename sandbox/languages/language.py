@@ -101,5 +101,5 @@ class Language:
 
     def starter(self, role: str = CONTROLLER) -> Sample | None:
         """Return the program to start from; None if there is none for this role."""
-        found = (one for one in self.starters if one.role == role and not one.name)
-        return next(found, None)
+        matching = (one for one in self.starters if one.role == role and not one.name)
+        return next(matching, None)

@@ -34,6 +34,6 @@ def sentence(languages: Sequence[Language]) -> str:
 
 
 if __name__ == "__main__":
-    found = [one for one in missing() if one.debian_packages]
-    if found:
-        print({"packages": packages, "sentence": sentence}[sys.argv[1]](found))
+    installable = [one for one in missing() if one.debian_packages]
+    if installable:
+        print({"packages": packages, "sentence": sentence}[sys.argv[1]](installable))

@@ -44,14 +44,14 @@ def environment(canary: str) -> str:
 
 def descriptors(canary: str) -> str:
     """Look for open descriptors other than the standard streams and the socket."""
-    found = []
+    numbers = []
     for number in range(256):
         try:
             os.fstat(number)
         except OSError:
             continue
-        found.append(number)
-    return str(found) if len(found) > 4 else ""
+        numbers.append(number)
+    return str(numbers) if len(numbers) > 4 else ""
 
 
 def sockets(canary: str) -> str:

@@ -66,8 +66,8 @@ def tried(language: str, isolation: IsolationLevel) -> Result:
     if moved != MOVED:
         return Result(f"the self-test's tracker answered {moved}, not {MOVED}")
     compiles = known.compiler is not None
-    found = tuple(one for one in _components(printed) if compiles or one.kind != COMPILER)
-    return Result("", found)
+    components = tuple(one for one in _components(printed) if compiles or one.kind != COMPILER)
+    return Result("", components)
 
 
 def _components(printed: bytes) -> Iterator[Component]:

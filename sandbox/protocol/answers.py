@@ -79,17 +79,17 @@ def detections(data: bytes | memoryview) -> list[Detection]:
             raise MessageInvalid(
                 f"The detector answered with {count} detections; the limit is {MAX_DETECTIONS}."
             )
-        found, offset = [], COUNT.size
+        decoded, offset = [], COUNT.size
         for _ in range(count):
             *numbers, length = DETECTION.unpack_from(body, offset)
             offset += DETECTION.size
-            found.append(_detection(body[offset : offset + length], numbers, length))
+            decoded.append(_detection(body[offset : offset + length], numbers, length))
             offset += length
     except struct.error:
         raise MessageInvalid("The detector's answer ends in the middle of a detection.") from None
     if offset != len(body):
         raise MessageInvalid("The detector's answer is longer than its detections.")
-    return found
+    return decoded
 
 
 def _detection(label: bytes, numbers: Sequence[float], length: int) -> Detection:

@@ -194,8 +194,8 @@ class ProtocolSession:
         try:
             if size > len(self._buffer):
                 raise MessageInvalid(f"The program bypassed its runner and sent {size} bytes.")
-            found = messages.check(data, message_type + messages.FAILED, self._sequence)
-            if found == messages.FAILED:
+            answered = messages.check(data, message_type + messages.FAILED, self._sequence)
+            if answered == messages.FAILED:
                 self._failed(messages.failure(data))
         except MessageInvalid as reason:
             self.end(verdicts.protocol_error(str(reason)))
@@ -276,10 +276,10 @@ class ProtocolSession:
         answered = select.poll()
         answered.register(self._socket_fd, select.POLLIN)
         answered.poll(LOCATE_WITHIN_S * 1000)
-        place = self._pending_failure()
-        if place is None:
+        where = self._pending_failure()
+        if where is None:
             return failure
-        return Failure(failure.verdict, f"{failure.sentence} {place.sentence}", place.traceback)
+        return Failure(failure.verdict, f"{failure.sentence} {where.sentence}", where.traceback)
 
     def _failed(self, failure: Failure) -> NoReturn:
         """End the run with the failure that the runner reports, unless the kernel knows better."""

@@ -35,7 +35,7 @@ class Evaluation:
     """Runs a job's trials: in parallel on `cores`; without `cores` one after the other, here.
 
     With a `pool`, whose `take` is `make_box`, the boxes of parallel trials come from it too. A
-    `connected` program, which runs outside, takes part in all trials in place of the job's.
+    `connected` program, which runs outside, takes part in all trials instead of the job's.
     """
 
     def __init__(

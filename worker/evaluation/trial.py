@@ -40,7 +40,7 @@ class TrialRunner:
         limits: Limits | None = None,
         connected: Program | None = None,
     ) -> None:
-        """Set up the trials of a job; `connected` takes part in place of its controller."""
+        """Set up the trials of a job; `connected` takes part instead of its controller."""
         self._job = job
         self._connected = connected
         self._make_box = make_box

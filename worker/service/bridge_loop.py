@@ -1,8 +1,8 @@
-"""The places of a worker for programs that are connected from elsewhere, beside those of its runs.
+"""The slots of a worker for programs that are connected from elsewhere, beside those of its runs.
 
-    python -s -P -m seamark.worker.service.bridge_loop <parent> <lane>
+    python -s -P -m seamark.worker.service.bridge_loop <parent> <name>
 
-A program across the network may be slow. It holds a place of its own kind, which no other run could
+A program across the network may be slow. It holds a slot of its own kind, which no other run could
 have, for a limited time (seamark.worker.evaluation.bridged).
 """
 
@@ -47,9 +47,9 @@ class BridgeLoop:
     """Takes one session after the other."""
 
     def __init__(
-        self, settings: Settings, simulator: Simulator, stopping: threading.Event, *, lane: str
+        self, settings: Settings, simulator: Simulator, stopping: threading.Event, *, name: str
     ) -> None:
-        self._settings, self._name = settings, lane
+        self._settings, self._name = settings, name
         self._stopping = stopping
         self._database = Database(settings.database_url)
         self._redis: Redis = broker.connect(settings)
@@ -62,7 +62,7 @@ class BridgeLoop:
             isolation=IsolationLevel.NONE,
             shutting_down=stopping.is_set,
         )
-        self._outage = Outage("sessions", worker=lane)
+        self._outage = Outage("sessions", worker=name)
         self._recovered = False
 
     def serve(self) -> None:
@@ -124,13 +124,13 @@ class BridgeLoop:
         return None
 
 
-def main(parent: str, lane: str) -> None:
-    """Be one of the places for connected programs of a worker."""
+def main(parent: str, name: str) -> None:
+    """Be one of the slots of a worker for connected programs."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
     log.configure(settings.log_level)
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), settings.data / "compiled")
-    BridgeLoop(settings, simulator, stopping, lane=lane).serve()
+    BridgeLoop(settings, simulator, stopping, name=name).serve()
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """The check processes of each worker: checks need not wait behind long runs.
 
-    python -s -P -m seamark.worker.service.check_loop <parent> <lane> <slot>
+    python -s -P -m seamark.worker.service.check_loop <parent> <name> <slot>
 
 Each carries out one check at a time, in a simulator of its own.
 """
@@ -54,9 +54,9 @@ class CheckLoop:
         languages: tuple[str, ...],
         stopping: threading.Event,
         *,
-        lane: str,
+        name: str,
     ) -> None:
-        self._name = lane
+        self._name = name
         self._settings = settings
         self._simulator = simulator
         self._languages = languages
@@ -64,7 +64,7 @@ class CheckLoop:
         self._database = Database(settings.database_url)
         self._redis: Redis = broker.connect(settings)
         self._meters = SharedMeters(self._redis)
-        self._outage = Outage("database", worker=lane)
+        self._outage = Outage("database", worker=name)
         self._recovered = False
         self._renew_at = 0.0  # monotonic
 
@@ -186,14 +186,14 @@ class CheckLoop:
             raise SimulatorBroken(f"a check took more than {TIMEOUT_S:g} s")
 
 
-def main(parent: str, lane: str, slot_json: str) -> None:
+def main(parent: str, name: str, slot_json: str) -> None:
     """Be one of the check processes of a worker."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
     log.configure(settings.log_level)
     slot = WorkerSlot.from_json(slot_json)
     simulator = Simulator(slot, settings.data / "compiled")
-    CheckLoop(settings, simulator, slot.languages, stopping, lane=lane).serve()
+    CheckLoop(settings, simulator, slot.languages, stopping, name=name).serve()
 
 
 if __name__ == "__main__":

@@ -15,43 +15,43 @@ KEY = "seamark:duty:{}{}"
 
 
 class Duty:
-    """One of `HOLDERS` places, which a process keeps as long as it asks often enough.
+    """One of `HOLDERS` locks, which a process keeps as long as it asks often enough.
 
     Parameters
     ----------
     rights
         Names a duty that not every worker has the rights for.
     kept_s
-        Time after which a silent holder loses its place.
+        Time after which a silent holder loses its lock.
     """
 
     def __init__(self, redis: "Redis", rights: str = "", *, kept_s: float) -> None:
-        self._places = [
+        self._locks = [
             redis.lock(KEY.format(rights, number), timeout=kept_s, blocking=False)
             for number in range(HOLDERS)
         ]
-        self._place: Lock | None = None
+        self._lock: Lock | None = None
 
     def is_mine(self) -> bool:
-        """Take or keep a place; True without a broker: rather too many look than nobody."""
+        """Take or keep a lock; True without a broker: rather too many look than nobody."""
         try:
-            if self._place is not None and _kept(self._place):
+            if self._lock is not None and _kept(self._lock):
                 return True
-            self._place = next((place for place in self._places if place.acquire()), None)
+            self._lock = next((lock for lock in self._locks if lock.acquire()), None)
         except RedisError:
             return True
-        return self._place is not None
+        return self._lock is not None
 
     def give_up(self) -> None:
-        """Leave the place to another process at once."""
-        if self._place is not None:
+        """Leave the lock to another process at once."""
+        if self._lock is not None:
             with suppress(RedisError):  # no longer ours, or the broker is away
-                self._place.release()
-            self._place = None
+                self._lock.release()
+            self._lock = None
 
 
-def _kept(place: Lock) -> bool:
+def _kept(lock: Lock) -> bool:
     try:
-        return bool(place.reacquire())
+        return bool(lock.reacquire())
     except LockError:
         return False

@@ -24,7 +24,7 @@ from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 
 # A user has one check at a time, so that one whose program sleeps never holds both.
-CHECK_LANES = 2
+CHECK_PROCESSES = 2
 _log = structlog.get_logger()
 
 
@@ -75,14 +75,14 @@ class Host:
             commands["mail"] = ["-m", "seamark.worker.service.mail_sender", parent]
         if self.languages:
             cores = sorted(os.sched_getaffinity(0), reverse=True)
-            for number in range(CHECK_LANES):
-                lane, slot = f"checks-{number + 1}", self._slot(cores[number % len(cores)])
-                arguments = [parent, f"{self.name}/{lane}", slot.to_json()]
-                commands[lane] = ["-m", "seamark.worker.service.check_loop", *arguments]
+            for number in range(CHECK_PROCESSES):
+                process, slot = f"checks-{number + 1}", self._slot(cores[number % len(cores)])
+                arguments = [parent, f"{self.name}/{process}", slot.to_json()]
+                commands[process] = ["-m", "seamark.worker.service.check_loop", *arguments]
         for number in range(self.settings.bridge_places):
-            lane = f"bridges-{number + 1}"
-            arguments = [parent, f"{self.name}/{lane}"]
-            commands[lane] = ["-m", "seamark.worker.service.bridge_loop", *arguments]
+            process = f"bridges-{number + 1}"
+            arguments = [parent, f"{self.name}/{process}"]
+            commands[process] = ["-m", "seamark.worker.service.bridge_loop", *arguments]
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:

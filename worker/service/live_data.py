@@ -86,18 +86,18 @@ class LiveData:
 
     def _replaced(self) -> dict[str, bytes]:
         """Return the files that were replaced since the last time."""
-        found = {}
+        contents = {}
         for name in REPLACED:
             file = self._growing.files.folder / name
             try:
                 written_at = file.stat().st_mtime
                 if self._written_at.get(name) != written_at:
                     content = file.read_bytes()
-                    found[name] = _end(content) if name == "log.tail" else content
+                    contents[name] = _end(content) if name == "log.tail" else content
                     self._written_at[name] = written_at
             except FileNotFoundError:
                 continue
-        return found
+        return contents
 
 
 def _end(tail: bytes) -> bytes:

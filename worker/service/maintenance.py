@@ -203,15 +203,15 @@ def by_rights(
     all_rights, key
         Whether this process has them.
     """
-    found: dict[str, list[PeriodicTask]] = {RECOVERY: [], "": [], "all": [], "seeds": []}
+    chosen: dict[str, list[PeriodicTask]] = {RECOVERY: [], "": [], "all": [], "seeds": []}
     for task in tasks:
         if task.name in RECOVERS:
-            found[RECOVERY].append(task)
+            chosen[RECOVERY].append(task)
             continue
         needs_rights, needs_key = task.name in NEEDS_ALL_RIGHTS, task.name in NEEDS_SEED_KEY
         if (all_rights or not needs_rights) and (key or not needs_key):
-            found["seeds" if needs_key else "all" if needs_rights else ""].append(task)
-    return found
+            chosen["seeds" if needs_key else "all" if needs_rights else ""].append(task)
+    return chosen
 
 
 def carry_out(

@@ -73,10 +73,10 @@ def installed_packages() -> list[str]:
 
 def package_folder(name: str) -> Path:
     """Return the folder of a package without importing it."""
-    found = importlib.util.find_spec(name)
-    if found is None or found.origin is None:
+    spec = importlib.util.find_spec(name)
+    if spec is None or spec.origin is None:
         raise SandboxBroken(f"{name} is not installed in the environment of this service")
-    return Path(found.origin).parent
+    return Path(spec.origin).parent
 
 
 def compile_packages() -> bool:

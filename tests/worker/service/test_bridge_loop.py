@@ -41,12 +41,12 @@ GIVEN = {"benchmark": BENCHMARK, "seed": str(SEED), "config": orjson.dumps(SHORT
 
 @dataclass
 class Site:
-    """A web server, and one place for connected programs."""
+    """A web server, and one slot for connected programs."""
 
     service: Service
     address: str
     stack: ExitStack
-    lane: "subprocess.Popen[bytes]"
+    process: "subprocess.Popen[bytes]"
 
     def token(self, who: str) -> str:
         with self.service.database.writing() as session:
@@ -54,7 +54,7 @@ class Site:
             return accounts.new_token(session, user_id, "t", ("read", "submit"), days=1)
 
     def connect(self, who: str, **query: str) -> ClientConnection:
-        """Connect a program; waits for the place that the test before has left."""
+        """Connect a program; waits for the slot that the test before has left."""
         url = f"ws://{self.address}/api/v1/rosbridge?{urlencode(GIVEN | query)}"
         headers = {"Authorization": f"Bearer {self.token(who)}"}
         opening = connect(
@@ -68,18 +68,18 @@ class Site:
             with suppress(InvalidStatus):
                 return Client(self.connect(who, **query))
             time.sleep(0.2)
-        raise TimeoutError("no place became free")
+        raise TimeoutError("no slot became free")
 
-    def restart_lane(self) -> None:
-        self.lane.kill()
-        self.lane.wait()
-        self.lane = lane_of(self.service)
+    def restart_process(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        self.process = process_of(self.service)
 
     def ended(self, client: Client) -> RunView:
         return self.service.ended(run_of(client))
 
 
-def lane_of(service: Service) -> "subprocess.Popen[bytes]":
+def process_of(service: Service) -> "subprocess.Popen[bytes]":
     module = ["-s", "-P", "-m", "seamark.worker.service.bridge_loop", str(getpid()), LANE]
     return subprocess.Popen([sys.executable, *module], env=environ | service.settings.environment())
 
@@ -96,10 +96,10 @@ def _site(_bare: Service) -> Iterator[Site]:
         connecting = stack.enter_context(serving(app))
         with connecting(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n") as probe:
             host, port = probe.getpeername()
-        site = Site(_bare, f"{host}:{port}", stack, lane_of(_bare))
+        site = Site(_bare, f"{host}:{port}", stack, process_of(_bare))
         yield site
-        site.lane.terminate()
-        site.lane.wait()
+        site.process.terminate()
+        site.process.wait()
         app.extensions["seamark"].close()
 
 
@@ -157,7 +157,7 @@ def test_a_program_on_another_machine_takes_part_through_the_command(site: Site)
     port = free_port()
 
     with ThreadPoolExecutor(1) as pool:
-        site.connect_when_free("ann").socket.close()  # until then it may wait for its place
+        site.connect_when_free("ann").socket.close()  # until then it may wait for its slot
         address = TcpAddress("127.0.0.1", port)
         url = f"http://{site.address}"
         ending = pool.submit(run_on_server, url, token, wanted, address, said.append)
@@ -171,7 +171,7 @@ def test_a_program_on_another_machine_takes_part_through_the_command(site: Site)
     assert said[-1].startswith(f"Run {run.id}: {url}/runs/")
 
 
-def test_an_account_has_one_session_and_whoever_finds_no_place_is_told_to_try_again(
+def test_an_account_has_one_session_and_whoever_finds_no_slot_is_told_to_try_again(
     site: Site,
 ) -> None:
     client = site.connect_when_free("ann")
@@ -184,7 +184,7 @@ def test_an_account_has_one_session_and_whoever_finds_no_place_is_told_to_try_ag
     assert other.value.response.status_code == 503
     assert int(other.value.response.headers["Retry-After"]) > 0
     client.socket.close()
-    after = site.connect_when_free("ben")  # it has the place
+    after = site.connect_when_free("ben")  # it has the slot
 
     run = site.ended(client)
     assert run.cause == "user_error"
@@ -258,14 +258,14 @@ def test_an_account_without_quota_is_refused(site: Site) -> None:
     assert "24" in orjson.loads(bytes(refusal.response.body or b""))["detail"]
 
 
-def test_a_run_whose_place_dies_fails_and_is_not_repeated(site: Site) -> None:
+def test_a_run_whose_slot_dies_fails_and_is_not_repeated(site: Site) -> None:
     client = site.connect_when_free("ann")
     client.subscribe("/seamark/error")
     client.receive(op="publish")
     client.command(0.0)
     client.receive(op="publish")
 
-    site.restart_lane()
+    site.restart_process()
 
     run = site.ended(client)
     assert (run.state, run.cause, run.attempt) == (RunState.FAILED, "platform_error", 1)
@@ -275,7 +275,7 @@ def test_a_run_whose_place_dies_fails_and_is_not_repeated(site: Site) -> None:
 
 
 def _refusal(attempt: Callable[[], object]) -> InvalidStatus:
-    """Return why an attempt was refused, when a place is free."""
+    """Return why an attempt was refused, when a slot is free."""
     deadline = time.monotonic() + START_S
     while True:
         with pytest.raises(InvalidStatus) as refused:

@@ -199,7 +199,7 @@ def test_a_claimed_check_keeps_its_lease_while_its_program_cannot_be_fetched(
         checks.enqueue(session, backend.user_id("ann"), "currents-v1", {}, program)
     idle = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path, program=("-c", IDLE))
     stopping = threading.Event()
-    loop = CheckLoop(backend.settings, idle, ("python",), stopping, lane="w/checks-1")
+    loop = CheckLoop(backend.settings, idle, ("python",), stopping, name="w/checks-1")
     storage.behave("hangs in programs")
     thread = threading.Thread(target=loop.serve)
     thread.start()

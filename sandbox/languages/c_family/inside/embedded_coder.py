@@ -81,8 +81,8 @@ def _model(text: str) -> str:
     names = [name for name in STEP.findall(text) if _has(text, f"{name}_initialize")]
     if names:
         return str(names[0])
-    found = ANY_STEP.search(text)
-    name = found[1] if found else "MODEL"
+    step = ANY_STEP.search(text)
+    name = step[1] if step else "MODEL"
     raise Unfit(f"There is no {name}_step(void) with {name}_initialize(void). {INTERFACE}")
 
 

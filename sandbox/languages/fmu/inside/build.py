@@ -29,8 +29,8 @@ def build_of(description: Description) -> Build:
     if description.version == "3" and BUILD in members:
         return _described(description, members)
     listed = [f"sources/{name}" for name in description.sources]
-    found = listed or sorted(name for name in members if name.startswith("sources/"))
-    return Build([name for name in found if name in members and name.endswith(".c")], [])
+    sources = listed or sorted(name for name in members if name.startswith("sources/"))
+    return Build([name for name in sources if name in members and name.endswith(".c")], [])
 
 
 def _described(description: Description, members: set[str]) -> Build:

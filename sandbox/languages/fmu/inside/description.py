@@ -88,29 +88,29 @@ def read(data: bytes) -> Description:
         raise Unusable("The FMU has no CoSimulation part: export it for co-simulation.")
     token = root.get("guid" if version[0] == "2" else "instantiationToken", "")
     variables = _variables_2(root) if version[0] == "2" else _variables_3(root)
-    found = Description(version[0], model.get("modelIdentifier", ""), token, variables, archive)
-    found.sources = [file.get("name", "") for file in model.iterfind("SourceFiles/File")]
-    return found
+    whole = Description(version[0], model.get("modelIdentifier", ""), token, variables, archive)
+    whole.sources = [file.get("name", "") for file in model.iterfind("SourceFiles/File")]
+    return whole
 
 
 def _variables_2(root: ElementTree.Element) -> dict[str, Variable]:
-    found = {}
+    variables = {}
     for one in root.iterfind("ModelVariables/ScalarVariable"):
         typed = next((child for child in one if child.tag in TYPES), None)
         type_name = "other" if typed is None else TYPES[typed.tag]
         attributes = {} if typed is None else typed.attrib
-        found[one.get("name", "")] = _variable(one, type_name, 1, attributes)
-    return found
+        variables[one.get("name", "")] = _variable(one, type_name, 1, attributes)
+    return variables
 
 
 def _variables_3(root: ElementTree.Element) -> dict[str, Variable]:
-    found = {}
+    variables = {}
     for one in root.iterfind("ModelVariables/*"):
         count = 1
         for dimension in one.iterfind("Dimension"):
             count *= int(dimension.get("start", "0"))  # 0: its size is not fixed
-        found[one.get("name", "")] = _variable(one, one.tag, count, {})
-    return found
+        variables[one.get("name", "")] = _variable(one, one.tag, count, {})
+    return variables
 
 
 def _variable(

@@ -78,11 +78,11 @@ class Library(ABC):
     def function(self, name: str, result: Any = c.c_int) -> Any:
         """Return a function of the library."""
         try:
-            found = getattr(self._library, self.prefix + name)
+            function = getattr(self._library, self.prefix + name)
         except AttributeError:
             raise Unusable(f"The FMU's library has no {self.prefix}{name}.") from None
-        found.restype = result
-        return found
+        function.restype = result
+        return function
 
     def call(self, name: str, *arguments: Any) -> None:
         """Call a function on the instance."""

@@ -87,17 +87,17 @@ def _parameters(
 ) -> list[Constant]:
     """Return the parameters that are named as keys of the configuration, or mapped to one."""
     _all_known(mapping, description, "parameters")
-    found = []
+    constants = []
     for variable in description.of("parameter"):
         source = mapping.get(variable.name, variable.name)
         value = source if isinstance(source, (int, float)) else config.get(str(source))
         if isinstance(value, (int, float)):
-            found.append(Constant(_number(variable), float(value)))
+            constants.append(Constant(_number(variable), float(value)))
         elif variable.name in mapping:
             raise Unusable(
                 f"The parameter {variable.name} is mapped to {source}, which is not a number."
             )
-    return found
+    return constants
 
 
 def _outputs(

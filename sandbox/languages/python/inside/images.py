@@ -77,10 +77,10 @@ def as_detections(answer: Any) -> bytes:
     """Return what `detect` returned as the body of an answer; AnswerInvalid with a sentence."""
     if not isinstance(answer, (list, tuple)):
         raise AnswerInvalid(f"detect returned a value of type {type(answer).__name__}, not a list")
-    found = list(itertools.islice(answer, MAX_DETECTIONS + 1))
-    if len(found) > MAX_DETECTIONS:
+    listed = list(itertools.islice(answer, MAX_DETECTIONS + 1))
+    if len(listed) > MAX_DETECTIONS:
         raise AnswerInvalid(f"detect returned more than {MAX_DETECTIONS} detections")
-    return COUNT.pack(len(found)) + b"".join(map(as_detection, found))
+    return COUNT.pack(len(listed)) + b"".join(map(as_detection, listed))
 
 
 def as_detection(one: Any) -> bytes:
