@@ -3,7 +3,7 @@
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from seamark.sandbox.box import Box
@@ -16,7 +16,6 @@ from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.languages.python.host import compile_packages
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
-from seamark.sandbox.probing.report import Finding, IsolationReport
 
 LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
 LAYOUT = {
@@ -73,6 +72,29 @@ UNEXPECTED = (  # if an attack succeeds that no setting of a host should permit
     "do not accept uploads from others here, and report this with the output of `seamark doctor`: "
     "bubblewrap or the kernel does not isolate as it should (update both first)"
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One probe: what was tried, whether the sandbox held, why not, and how to fix it."""
+
+    name: str
+    ok: bool
+    why: str = ""
+    remedy: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class IsolationReport:
+    """The isolation level that this host reaches, with the findings that decided it."""
+
+    level: IsolationLevel
+    findings: tuple[Finding, ...] = ()
+
+    def sentence(self) -> str:
+        """Return one line for a status page: the level and what is missing for the next one."""
+        missing = "; ".join(f"{f.name}: {f.why}" for f in self.findings if not f.ok)
+        return f"isolation {self.level.name.lower()}" + (f" ({missing})" if missing else "")
 
 
 def probe() -> IsolationReport:

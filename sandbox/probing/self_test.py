@@ -16,7 +16,6 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.languages.language import TRACKER
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
-from seamark.sandbox.probing.report import Component
 
 LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
 LAYOUT = {
@@ -32,6 +31,15 @@ WIDTH, SECOND_ROW = 7, 3  # [px] of the image; grey value
 IMAGE = bytes(WIDTH) + bytes([SECOND_ROW]) * WIDTH
 CORNERS = ((1.0, 2.0), (3.0, 2.5), (3.0, 4.0), (1.0, 4.0))  # [px]
 MOVED = tuple((x + SECOND_ROW, y + SECOND_ROW) for x, y in CORNERS)
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """An interpreter, a compiler or a library that programs find in a box."""
+
+    kind: str  # "interpreter", "compiler" or "library"
+    name: str
+    version: str
 
 
 @dataclass(frozen=True, slots=True)

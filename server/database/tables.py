@@ -388,7 +388,7 @@ class Worker(Base):
     level: Mapped[str] = mapped_column(String(10))
     languages: Mapped[list[str]] = mapped_column(_Json)
     findings: Mapped[list[dict[str, Any]]] = mapped_column(_Json)
-    # language -> components, each with kind, name and version (sandbox/probing/report.py)
+    # language -> components, each with kind, name and version (sandbox/probing/self_test.py)
     contents: Mapped[dict[str, list[dict[str, str]]]] = mapped_column(
         _Json, default=dict, server_default="{}"
     )

@@ -21,10 +21,9 @@ from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import Digest
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.evaluation.job import Job
-from seamark.worker.evaluation.parallel_trials import ParallelTrials
+from seamark.worker.evaluation.parallel_trials import ParallelTrials, WarmBoxes
 from seamark.worker.evaluation.program_adapters import Compile, MakeBox, without_compiling
 from seamark.worker.evaluation.trial import TrialRunner
-from seamark.worker.evaluation.warm_boxes import WarmBoxes
 from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 

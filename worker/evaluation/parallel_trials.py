@@ -14,9 +14,8 @@ from collections.abc import Callable, Iterator
 from typing import NoReturn
 
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.pool import BoxLease
+from seamark.sandbox.pool import BoxLease, Pool
 from seamark.worker.evaluation.cores import Cores
-from seamark.worker.evaluation.warm_boxes import WarmBoxes
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import Listener, Sender, deliver
 from seamark.worker.ipc.messages import BoxFailed, Crashed, Message, Reader, TrialReport
@@ -32,6 +31,27 @@ RunTrial = Callable[[int, Listener], TrialOutcome]
 
 class TrialBroken(Exception):
     """The process of a trial died or failed: a failure of the platform."""
+
+
+class WarmBoxes:
+    """The boxes that one run takes from the pool of its process, and leases to its trials.
+
+    While trials run, the boxes for the next ones start.
+    """
+
+    def __init__(self, pool: Pool, language: str, waiting_max: int) -> None:
+        self._pool = pool
+        self._language = language
+        self._waiting_max = waiting_max
+
+    def lease(self) -> BoxLease:
+        """Return a box for the next trial, or none if none is waiting: the trial starts its own."""
+        return self._pool.lease(self._language, 1)
+
+    def start(self, trials: int) -> None:
+        """Start the boxes that are missing for so many trials to come."""
+        self._pool.stock(self._language, min(self._waiting_max, trials))
+        self._pool.refill()
 
 
 class ParallelTrials:

@@ -35,7 +35,7 @@ from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.bridge_relay import BridgeRelay
 from seamark.worker.service.claimed_run import evaluate_or_release
 from seamark.worker.service.run_driver import RunContext
-from seamark.worker.service.shutdown import follow_worker
+from seamark.worker.service.worker_process import follow_worker
 from seamark.worker.zygote.client import Simulator
 
 POLL_S = 2.0  # that a call waits for an offer

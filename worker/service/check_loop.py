@@ -30,8 +30,8 @@ from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.run_upload import ProgramGone, program_file
-from seamark.worker.service.shutdown import ShuttingDown, follow_worker
 from seamark.worker.service.watched import watched
+from seamark.worker.service.worker_process import ShuttingDown, follow_worker
 from seamark.worker.zygote.client import BoxBroken, Simulator, SimulatorBroken
 
 POLL_S = 2.0  # [s] between two polls of the queue without a wake-up

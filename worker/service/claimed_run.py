@@ -22,10 +22,11 @@ from seamark.server.settings import Settings
 from seamark.server.storage import storage
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.ipc.messages import StreamBroken
-from seamark.worker.service.live_publisher import LivePublisher
-from seamark.worker.service.run_driver import LeaseEnded, RunContext, RunDriver
+from seamark.worker.service.live_states import LivePublisher
+from seamark.worker.service.run_driver import RunContext, RunDriver
+from seamark.worker.service.run_lease import LeaseEnded
 from seamark.worker.service.run_upload import ProgramGone
-from seamark.worker.service.shutdown import ShuttingDown
+from seamark.worker.service.worker_process import ShuttingDown
 from seamark.worker.zygote.client import BoxBroken, SimulatorBroken
 
 _log = structlog.get_logger()
@@ -69,7 +70,7 @@ def _drive(context: RunContext, driver: RunDriver) -> bool:
     try:
         report = driver.run()
         stored = driver.store(report)
-        if not stored and driver.cancelled():  # meanwhile
+        if not stored and driver.lease.cancelled():  # meanwhile
             driver.store_cancelled()
     except LeaseEnded as ended:
         _log.info("run_stopped", why=ended.status.name.lower())
@@ -79,17 +80,17 @@ def _drive(context: RunContext, driver: RunDriver) -> bool:
             meters.LEASES_LOST.inc()
         return True
     except (ShuttingDown, SeedsMissing) as stopped:
-        driver.release(AttemptEnd.SHUTDOWN)
+        driver.lease.release(AttemptEnd.SHUTDOWN)
         return isinstance(stopped, ShuttingDown)
     except (SimulatorBroken, StreamBroken, ProgramGone) as broken:
         _log.error("evaluation_broke", why=str(broken))
         meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
-        driver.release(blame(context.settings, broken))
+        driver.lease.release(blame(context.settings, broken))
         return False
     except StorageFailed as failed:
         _log.error("storage_failed", why=str(failed))
         driver.make_room()
-        driver.release(AttemptEnd.STORAGE_FAILED)
+        driver.lease.release(AttemptEnd.STORAGE_FAILED)
         driver.remove_stored()
         return False
     except DATABASE_AWAY as away:  # the lease ends, and the run is repeated

@@ -13,8 +13,8 @@ from sqlalchemy.orm import Session
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.probing import self_test
-from seamark.sandbox.probing.probes import probe
-from seamark.sandbox.probing.report import Component, Finding, IsolationReport
+from seamark.sandbox.probing.probes import Finding, IsolationReport, probe
+from seamark.sandbox.probing.self_test import Component
 from seamark.server.database.engine import Database
 from seamark.server.database.result_code import result_code
 from seamark.server.database.tables import Worker

@@ -6,6 +6,14 @@ would be taken from their workers; an hour back, and the runs of dead workers wo
 
 import time
 from collections.abc import Mapping
+from typing import NamedTuple
+
+
+class _Observed(NamedTuple):
+    """The end of a lease as last seen."""
+
+    end: float  # [s] of the wall clock
+    since_s: float  # monotonic; since when it is the same
 
 
 class LeaseWatch:
@@ -22,7 +30,7 @@ class LeaseWatch:
     def __init__(self, *, lease_s: float, renewal_s: float) -> None:
         self._lease_s = lease_s
         self._patience_s = 2 * renewal_s
-        self._seen: dict[int, tuple[float, float]] = {}  # id -> its lease, and since when
+        self._seen: dict[int, _Observed] = {}  # by the id of the lease
 
     def abandoned(self, leases: Mapping[int, float], *, now_s: float) -> dict[int, float]:
         """Return the leases whose holders are gone.
@@ -40,11 +48,11 @@ class LeaseWatch:
         self._seen = {key: self._observed(key, end, now_s) for key, end in leases.items()}
         wall_s = time.time()
         return {
-            key: end
-            for key, (end, since_s) in self._seen.items()
-            if now_s - since_s >= (self._patience_s if end < wall_s else self._lease_s)
+            key: seen.end
+            for key, seen in self._seen.items()
+            if now_s - seen.since_s >= (self._patience_s if seen.end < wall_s else self._lease_s)
         }
 
-    def _observed(self, key: int, end: float, now_s: float) -> tuple[float, float]:
+    def _observed(self, key: int, end: float, now_s: float) -> _Observed:
         seen = self._seen.get(key)
-        return seen if seen is not None and seen[0] == end else (end, now_s)
+        return seen if seen is not None and seen.end == end else _Observed(end, now_s)

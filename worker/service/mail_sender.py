@@ -18,8 +18,7 @@ from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring import log
 from seamark.server.monitoring.outages import Outage
 from seamark.server.settings import Settings
-from seamark.worker.service import rights
-from seamark.worker.service.shutdown import follow_worker
+from seamark.worker.service.worker_process import are_restricted, follow_worker
 
 POLL_S = 2.0  # [s] between two looks into the outbox
 _log = structlog.get_logger()
@@ -31,7 +30,7 @@ def main(parent: str) -> None:
     settings = Settings.load()
     log.configure(settings.log_level)
     database, meters = Database(settings.database_url), SharedMeters(broker.connect(settings))
-    if rights.are_restricted(database, stopping):
+    if are_restricted(database, stopping):
         _log.error("no_mail_sent", why="the database role of this worker reads no addresses")
         stopping.wait()
         return

@@ -33,11 +33,10 @@ from seamark.server.runs.recomputation import verifications
 from seamark.server.runs.record import seeds
 from seamark.server.settings import Settings
 from seamark.server.storage import storage
-from seamark.worker.service import rights
 from seamark.worker.service.duty import Duty
 from seamark.worker.service.lease_watch import LeaseWatch
-from seamark.worker.service.recovery import announce
-from seamark.worker.service.shutdown import follow_worker
+from seamark.worker.service.live_states import announce
+from seamark.worker.service.worker_process import are_restricted, follow_worker
 
 FORGET_EVERY_S = 3600.0
 SWEEP_EVERY_S = 30.0
@@ -302,7 +301,7 @@ def main(parent: str) -> None:
         PeriodicTask("retention_pass", PASS_EVERY_S, RetentionPass(database, settings).step),
         PeriodicTask("measure_disk", MEASURE_EVERY_S, lambda: measure_if_old(database, settings)),
     ]
-    restricted = rights.are_restricted(database, stopping)
+    restricted = are_restricted(database, stopping)
     duties = by_rights(tasks, all_rights=not restricted, key=settings.derives_seeds)
     maintain(duties, redis, impatient, stopping, shared, kept_s=3 * recovery_s)
 

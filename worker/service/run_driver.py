@@ -1,11 +1,10 @@
-"""From a claim to a stored result: drives one simulation and renews the lease of its run."""
+"""From a claim to a stored result: drives one simulation and stores what comes of it."""
 
 import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 import structlog
 from redis import Redis
@@ -20,10 +19,7 @@ from seamark.server.monitoring import meters
 from seamark.server.runs.data.files import RunFiles, StorageFailed
 from seamark.server.runs.ending import first_results, results
 from seamark.server.runs.ending.results import Report
-from seamark.server.runs.queue import lost_attempts
-from seamark.server.runs.queue import queue as run_queue
-from seamark.server.runs.queue.lost_attempts import AttemptEnd
-from seamark.server.runs.queue.queue import Claim, LeaseStatus
+from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.seeds import SeedsMissing
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
@@ -32,28 +28,17 @@ from seamark.sim import registry
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service import run_report
-from seamark.worker.service.live_publisher import LivePublisher
+from seamark.worker.service.live_states import LivePublisher
+from seamark.worker.service.run_lease import Progress, RunLease
 from seamark.worker.service.run_recorder import RunRecorder
 from seamark.worker.service.run_upload import RunUpload, fetched_program
-from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 
-CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
 STALL_S = 90.0  # [s] without a message from a simulation that has started
-STORE_RETRY_S = 1.0
 STORE_AWAY_S = 600.0  # [s] that the object storage may be away at a stretch
 STOP_UPLOAD_S = 2.0  # that a run which has ended otherwise waits for a part that is being stored
 _log = structlog.get_logger()
-_Result = TypeVar("_Result")
-
-
-class LeaseEnded(Exception):
-    """The run is no longer this worker's: it was cancelled, or claimed by another worker."""
-
-    def __init__(self, status: LeaseStatus) -> None:
-        super().__init__(status.name)
-        self.status = status
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,9 +75,18 @@ class RunDriver:
             truncate=None if self._upload is None else self._upload.truncate_rows,
             shown_trials=None if protocol is None else protocol.reference_trials,
         )
+        self._isolation = context.isolation.name.lower() if claim.program_sha256 else None
+        self.lease = RunLease(
+            claim,
+            context.database,
+            self._live,
+            settings=context.settings,
+            shutting_down=context.shutting_down,
+            progress=self._progress,
+            isolation=self._isolation,
+        )
         self._program_bytes = 0
-        self._poll_at = self._heartbeat_at = self._disk_at = 0.0
-        self._away = False  # the database
+        self._disk_at = 0.0  # monotonic
 
     def run(self) -> Report:
         """Run the simulation and return its report.
@@ -110,14 +104,14 @@ class RunDriver:
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))
         self._count(simulation, outcome)
-        progress = 1.0 if outcome.failure is None else self._progress()
+        progress = 1.0 if outcome.failure is None else self._progress().done
         return run_report.of(
             self._settled(outcome),
             self._files,
             benchmark=self._claim.benchmark,
             progress=progress,
             t_simulated=self._recorder.t_simulated,
-            isolation=self._isolation(),
+            isolation=self._isolation,
         )
 
     def _settled(self, outcome: RunOutcome) -> RunOutcome:
@@ -132,11 +126,11 @@ class RunDriver:
             return replace(outcome, sentence="", traceback="")  # which the program could choose
 
         def record(session: Session) -> None:
-            self._require_lease(run_queue.poll(session, self._claim))
+            self.lease.require_held(session)
             digest = outcome.digest if outcome.failure is None else None
             first_results.record(session, self._claim.run_id, digest)
 
-        self._when_there(record)
+        self.lease.when_there(record)
         self._recorder.show()
         return outcome
 
@@ -182,21 +176,7 @@ class RunDriver:
         mark = None
         with suppress(*DATABASE_AWAY), self._context.database.reading() as session:
             mark = data_folder.known_mark(session)
-        self._upload.complete(self._watch_upload, within_s=STORE_AWAY_S, mark=mark)
-
-    def _watch_upload(self) -> None:
-        """Keep the lease of a run whose files are being stored; a cancelled one is stored too."""
-        if self._context.shutting_down():
-            raise ShuttingDown
-        now = time.monotonic()
-        if now < self._heartbeat_at:
-            return
-        self._heartbeat_at = now + self._context.settings.heartbeat_s
-        try:
-            if self._heartbeat() is LeaseStatus.LOST:
-                raise LeaseEnded(LeaseStatus.LOST)
-        except DATABASE_AWAY as error:
-            self._database_away(error)
+        self._upload.complete(self.lease.keep, within_s=STORE_AWAY_S, mark=mark)
 
     def close(self) -> None:
         """Stop the upload; what it did not take away is of no use to anybody."""
@@ -217,24 +197,7 @@ class RunDriver:
             self._upload.remove()
 
     def _finish(self, report: Report) -> bool:
-        return self._when_there(lambda session: results.finish(session, self._claim, report))
-
-    def _when_there(self, action: Callable[[Session], _Result]) -> _Result:
-        """Do something as soon as the database is there: the evaluation took longer."""
-        while True:
-            try:
-                with self._context.database.writing() as session:
-                    return action(session)
-            except DATABASE_AWAY as error:
-                if self._context.shutting_down():
-                    raise
-                self._database_away(error)
-                time.sleep(STORE_RETRY_S)
-
-    def cancelled(self) -> bool:
-        """Return whether the owner has cancelled the run."""
-        with self._context.database.reading() as session:
-            return run_queue.poll(session, self._claim) is LeaseStatus.CANCELLED
+        return self.lease.when_there(lambda session: results.finish(session, self._claim, report))
 
     def store_cancelled(self) -> None:
         """Keep what there is of a run that its owner cancelled, and may be seen."""
@@ -243,24 +206,11 @@ class RunDriver:
         report = Report(
             state=RunState.CANCELLED,
             detail={"t_reached": t_simulated, "log_tail": run_report.log_tail(self._files)},
-            progress=self._progress(),
+            progress=self._progress().done,
             t_simulated=t_simulated,
-            isolation=self._isolation(),
+            isolation=self._isolation,
         )
         self.store(report)
-
-    def release(self, end: AttemptEnd) -> None:
-        """Return the run to its position in the queue, or fail it for good."""
-        try:
-            with self._context.database.writing() as session:
-                state = lost_attempts.release(
-                    session, self._claim, end, settings=self._context.settings
-                )
-        except DATABASE_AWAY as error:  # then the lease ends
-            self._database_away(error)
-            return
-        if state is not None:
-            self._live.state(state, progress=0.0, t_simulated=0.0)
 
     def _job(self) -> Job:
         claim, settings = self._claim, self._context.settings
@@ -290,47 +240,12 @@ class RunDriver:
             raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
 
     def _watch_claim(self) -> None:
-        """Renew the lease; raise if the run was cancelled, or this worker cannot go on with it."""
-        if self._context.shutting_down():
-            raise ShuttingDown
+        """Watch the lease, and from time to time the storage."""
+        self.lease.watch()
         now = time.monotonic()
-        try:
-            self._watch_lease(now)
-        except DATABASE_AWAY as error:
-            # Go on: whether another worker has the run by then is known when the database is back.
-            self._database_away(error)
         if now >= self._disk_at:
             self._disk_at = now + self._context.settings.heartbeat_s
             self._require_storage()
-
-    def _watch_lease(self, now: float) -> None:
-        if now >= self._heartbeat_at:
-            self._poll_at = now + CANCEL_POLL_S
-            self._require_lease(self._heartbeat())
-            self._heartbeat_at = now + self._context.settings.heartbeat_s
-            self._away = False
-        elif now >= self._poll_at:
-            self._poll_at = now + CANCEL_POLL_S
-            with self._context.database.reading() as session:
-                self._require_lease(run_queue.poll(session, self._claim))
-
-    def _database_away(self, error: Exception) -> None:
-        if not self._away:
-            _log.warning("database_away", error=str(error))
-        self._away = True
-
-    def _heartbeat(self) -> LeaseStatus:
-        progress, t_simulated = self._progress(), self._recorder.t_simulated
-        with self._context.database.writing() as session:
-            status = run_queue.heartbeat(
-                session,
-                self._claim,
-                progress=progress,
-                t_simulated=t_simulated,
-                isolation=self._isolation(),
-            )
-        self._live.state(RunState.RUNNING, progress=progress, t_simulated=t_simulated)
-        return status
 
     def _require_storage(self) -> None:
         """Stop while there is still room for the database to record that the run is repeated.
@@ -343,16 +258,9 @@ class RunDriver:
         if self._upload is not None and self._upload.away_s > STORE_AWAY_S:
             raise StorageFailed(f"the object storage was away for {self._upload.away_s:.0f} s")
 
-    @staticmethod
-    def _require_lease(status: LeaseStatus) -> None:
-        if status is not LeaseStatus.HELD:
-            raise LeaseEnded(status)
-
-    def _progress(self) -> float:
-        return min(self._recorder.t_simulated / (self._trial_s * self._claim.trials), 1.0)
-
-    def _isolation(self) -> str | None:
-        return self._context.isolation.name.lower() if self._claim.program_sha256 else None
+    def _progress(self) -> Progress:
+        t_simulated = self._recorder.t_simulated
+        return Progress(min(t_simulated / (self._trial_s * self._claim.trials), 1.0), t_simulated)
 
 
 def _seeds(claim: Claim) -> tuple[int, ...]:

@@ -19,7 +19,7 @@ from seamark.server.settings import Settings
 from seamark.server.storage import storage
 from seamark.worker.service.claimed_run import evaluate_or_release
 from seamark.worker.service.host import Host
-from seamark.worker.service.recovery import announce
+from seamark.worker.service.live_states import announce
 from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 

@@ -7,9 +7,8 @@ from functools import cache
 from pathlib import Path
 
 from seamark.sandbox.languages.script_runtime import script_runtime
-from seamark.sandbox.languages.system_libraries import LIBRARIES, alternatives
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.runtime import BindMount, Runtime
+from seamark.sandbox.runtime import LIBRARIES, BindMount, Runtime, alternatives
 
 HERE = Path(__file__).parent
 INSIDE = HERE / "inside"

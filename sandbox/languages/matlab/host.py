@@ -5,9 +5,8 @@ from functools import cache
 from pathlib import Path
 
 from seamark.sandbox.languages.script_runtime import script_runtime
-from seamark.sandbox.languages.system_libraries import alternatives
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.runtime import BindMount, Runtime
+from seamark.sandbox.runtime import BindMount, Runtime, alternatives
 
 INSIDE = Path(__file__).with_name("inside")
 PROGRAM = Path("/usr/bin/octave-cli")

@@ -24,8 +24,7 @@ from seamark.sandbox.languages.python.host import PACKAGES, package_folder, pyth
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Verdict
 from seamark.sandbox.probing import probes
-from seamark.sandbox.probing.probes import probe
-from seamark.sandbox.probing.report import Finding, IsolationReport
+from seamark.sandbox.probing.probes import Finding, IsolationReport, probe
 
 pytestmark = pytest.mark.host
 

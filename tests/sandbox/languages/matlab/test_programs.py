@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.matlab.inside.relay import octave_value
-from seamark.sandbox.languages.system_libraries import alternatives
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
 from seamark.sandbox.probing.self_test import tried
-from seamark.sandbox.runtime import BindMount
+from seamark.sandbox.runtime import BindMount, alternatives
 from tests.sandbox.host_compiler import zipped
 
 LAYOUT = {

@@ -1,7 +1,7 @@
 from redis import Redis
 
 from seamark.server.runs.record.states import RunState
-from seamark.worker.service.live_publisher import LivePublisher
+from seamark.worker.service.live_states import LivePublisher
 from tests.services import valkey
 
 
