@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import select, update
 
 from seamark.server.accounts.audit import Actor
-from seamark.server.administration import fleet, rejudgements
+from seamark.server.administration import rejudgements, worker_list
 from seamark.server.administration.rejudge_choice import RunChoice
 from seamark.server.administration.rejudgements import Difference, RejudgementView
 from seamark.server.database.tables import Result, Run
@@ -89,7 +89,7 @@ def test_a_drained_worker_ends_its_run_and_another_one_takes_over_until_it_is_re
     running.wait(long, lambda view: view.state is RunState.RUNNING)
     drained = _worker_of(running, long)
     with running.database.writing() as session:
-        assert fleet.drain(session, ROOT, drained)
+        assert worker_list.drain(session, ROOT, drained)
     waiting = running.submit(who="ben")
     assert running.ended(long).attempt == 1
     assert running.show(waiting).state is RunState.QUEUED
@@ -98,8 +98,8 @@ def test_a_drained_worker_ends_its_run_and_another_one_takes_over_until_it_is_re
     running.ended(waiting)
     other = _worker_of(running, waiting)
     with running.database.writing() as session:
-        assert fleet.drain(session, ROOT, other)
-        assert fleet.resume(session, ROOT, drained)
+        assert worker_list.drain(session, ROOT, other)
+        assert worker_list.resume(session, ROOT, drained)
     again = running.submit(who="ben")
     running.ended(again)
 
