@@ -3,12 +3,13 @@
 import json
 import math
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from seamark.formats import mat
+from seamark.formats.registry import FORMATS
 from seamark.server.app import create_app
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.states import RunState
@@ -154,7 +155,7 @@ def test_a_run_that_is_too_long_for_a_mat_file_offers_none_and_says_why(
     run_id = site.succeeded()
     RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))
     offered = _page(site, run_id)
-    monkeypatch.setattr(mat, "ROWS_MAX", 2)
+    monkeypatch.setitem(FORMATS, "mat", replace(FORMATS["mat"], rows_max=2))
 
     refused = _page(site, run_id)
 
