@@ -8,11 +8,8 @@ from pathlib import Path
 
 import pytest
 import structlog
-from flask import Flask
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
-from jinja2 import BytecodeCache
-from jinja2.bccache import Bucket
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
@@ -20,7 +17,7 @@ from seamark.sandbox.probing.probes import probe
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
 from tests.cast import Backend
-from tests.services import postgres, s3, tables, valkey
+from tests.services import compiled_once, postgres, s3, tables, valkey
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -34,25 +31,7 @@ hypothesis_settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 hypothesis_settings.load_profile("patient")
-
-
-class CompiledTemplates(BytecodeCache):
-    """The compiled templates of this process, for the application of each test."""
-
-    def __init__(self) -> None:
-        self._code: dict[tuple[str, str], bytes] = {}
-
-    def load_bytecode(self, bucket: Bucket) -> None:
-        """Load what was compiled from the same source."""
-        if (code := self._code.get((bucket.key, bucket.checksum))) is not None:
-            bucket.bytecode_from_string(code)
-
-    def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep what has been compiled."""
-        self._code[bucket.key, bucket.checksum] = bucket.bytecode_to_string()
-
-
-Flask.jinja_options = {"bytecode_cache": CompiledTemplates()}
+compiled_once.share()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
