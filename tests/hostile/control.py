@@ -31,7 +31,6 @@ JOIN = 'for file in $0; do echo 0 > "$file"; done; exec "$@"'
 BOUNDS = Limits(cpu_s=60.0, wall_s=60.0, memory_mib=640, processes=100)
 ENDS_AFTER_S = 60.0  # [s] what was to be seen by then was not
 WAITS_S = 1.5  # [s] with less than that much CPU time, longer than any limit of an answer
-COMPILERS = {".c": ("gcc",), ".cpp": ("g++",)}
 
 
 @dataclass
@@ -50,10 +49,10 @@ class Excess:
     def __init__(self, group: ControlGroup, limits: Limits) -> None:
         self._group, self._limits = group, limits
         self._noted: set[str] = set()
-        self._since = time.monotonic()
+        self._since, self._before_s = time.monotonic(), 0.0  # of the call
 
     def notes(self, printed: int, *, called: bool) -> Iterator[str]:
-        """Yield what is new."""
+        """Yield what is new: of the time and CPU time since the program was called."""
         if not called:
             self._since, self._before_s = time.monotonic(), self._group.cpu_s()
             return
@@ -67,8 +66,8 @@ class Excess:
             "a longer log": printed > limits.output_max_mib << 20,
             "its caller's time": waited_s > WAITS_S and cpu_s < waited_s / 2,
         }
-        for name in [name for name, excess in every.items() if excess]:
-            if name not in self._noted:
+        for name, exceeds in every.items():
+            if exceeds and name not in self._noted:
                 self._noted.add(name)
                 yield f"takes {name}"
 
@@ -79,16 +78,11 @@ def outside(case: Case, limits: Limits, folder: Path) -> str:
     `limits` are those of the box: what goes beyond is seen.
     """
     attack, overlay = folder / "attack", folder / "overlay"
-    for one in (
-        attack,
-        overlay,
-        attack / "box",
-        attack / "box" / "native",
-        attack / "box" / "octave",
-    ):
-        one.mkdir()
+    overlay.mkdir()
     for runner in RUNNERS:  # some programs are interested in them
-        shutil.copy(runner, attack / "box" / ("octave" if runner.suffix == ".m" else "native"))
+        box = attack / "box" / ("octave" if runner.suffix == ".m" else "native")
+        box.mkdir(parents=True)
+        shutil.copy(runner, box)
     seen = Seen()
     group = ControlGroup(BOUNDS)
     try:
