@@ -147,7 +147,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self._steps, self._first_frame = config.control_steps_per_level, episode.position
         self._first_frame *= self._steps
         mount = self._world.camera.optics.mount_m
-        self._goal: Any = tuple(goal(vehicle, self._world.station, mount, self._world.tool_m))
+        self._goal = goal(vehicle, self._world.station, mount, self._world.tool_m)
         self._step, self._row = 0, np.zeros(width_for(len(vehicle.thrusters)))
 
     def _sense(self) -> None:

@@ -15,7 +15,8 @@ from seamark.gym.station_keeping import REFERENCE, TRUE_COLUMNS
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.tracker_in_loop import draw_start_error
-from seamark.sim.fleet.fleet import Flags, Fleet
+from seamark.sim.fleet.fleet import Fleet
+from seamark.sim.numerics.arrays import Flags
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.registry import TRUTH
 
@@ -148,7 +149,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             i,
             make(config, seed=episode.seed, **place),
             start_s=episode.position * config.level_duration_s,
-            place=(episode.trial, episode.level),
+            trial_level=(episode.trial, episode.level),
             start_error=error,
         )
 

@@ -14,7 +14,12 @@ from seamark.mission_logs.samples import Values
 from seamark.mission_logs.timeline import Timeline
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.geometry import diagonal_intersection
-from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, View, write_tracking_error
+from seamark.sim.engine.tracking_error import (
+    BOX_CENTRE,
+    TOP_CENTRE,
+    TargetView,
+    write_tracking_error,
+)
 from seamark.sim.recording.telemetry import INDEX, POSE_COLUMNS, Rows, width_for
 
 # What `write_tracking_error` computes: from the pose alone, and from pose and corners.
@@ -62,7 +67,7 @@ def log_rows(
     """
     given = {name: column for name, column in values.items() if name in INDEX}
     rows = np.full((len(timeline.t), width_for(thrusters)), np.nan)
-    view = (*camera.view(), BOX_CENTRE if counted == "uwsim" else TOP_CENTRE)
+    view = TargetView(*camera.view(), BOX_CENTRE if counted == "uwsim" else TOP_CENTRE)
     derived = _derive(rows, values, camera=camera, view=view, station=station)
     for name, column in given.items():
         rows[:, INDEX[name]] = column
@@ -84,7 +89,7 @@ def _derive(
     values: Mapping[str, Values],
     *,
     camera: Camera,
-    view: View,
+    view: TargetView,
     station: NDArray[np.float64],
 ) -> set[str]:
     """Write what follows from pose and corners, and return the names of these columns."""
@@ -121,7 +126,7 @@ def _write_views(
     poses: NDArray[np.float64],
     corners: NDArray[np.float64] | None,
     *,
-    view: View,
+    view: TargetView,
     station: NDArray[np.float64],
 ) -> None:
     """Write what the simulator writes for a pose; without corners the tracker's part stays nan."""

@@ -15,6 +15,7 @@ from seamark.sim.camera.scene import Channel, Scene, SensorNoise, buffers_for
 from seamark.sim.camera.seabed import SEABED_SEED, seabed
 from seamark.sim.camera.target import Target, box_texture
 from seamark.sim.camera.water import Water
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.libm import cos, sin
 
 Window = raycast.Window
@@ -60,22 +61,22 @@ class Camera:
             [self._corners, target.top_centre()[None], target.origin()[None]]
         )
         self._images = np.empty((len(self._points), 2))
-        self._scene = tuple(self._build_scene())
-        self._grain = tuple(
-            SensorNoise(
-                self._noise,
-                self._noise_seed,
-                float(water.read_sigma_grey) ** 2,
-                float(water.shot_gain),
-            )
+        self._scene = self._build_scene()
+        self._grain = SensorNoise(
+            bank=self._noise,
+            seed=self._noise_seed,
+            read_variance=float(water.read_sigma_grey) ** 2,
+            shot_gain=float(water.shot_gain),
         )
         self._effect_parameters = self._build_effect_parameters()
-        self._buffers = tuple(buffers_for(optics.width))
-        self._channels = {GREEN: tuple(self._build_channel(GREEN))}
+        self._buffers = buffers_for(optics.width)
+        self._channels = {GREEN: self._build_channel(GREEN)}
         self._whole = (0, 0, optics.width, optics.height)
         self._canvas = np.zeros((optics.height, optics.width), np.uint8)
-        self._rotation, self._position, self._pose = np.empty((3, 3)), np.empty(3), np.empty(6)
+        self._rotation, self._position, self._pose = np.empty((3, 3)), np.empty(3), np.zeros(6)
         self._motion = np.zeros(12)
+        self._render = SameTypes(raycast.draw)
+        self._render_effects = SameTypes(raycast_effects.draw)
 
     def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's canvas (H, W), rendered only inside the window x0, y0, x1, y1.
@@ -156,29 +157,27 @@ class Camera:
             fog=self.water.law == "uwsim",
         )
 
-    def _build_effect_parameters(self) -> tuple[object, ...] | None:
+    def _build_effect_parameters(self) -> EffectParameters | None:
         """Return the effects for the kernels; None if all are off."""
         effects = self.effects
         if not effects.any:
             return None
         seed = self._noise_seed & 0x7FFFFFFF
         sine, cosine = sin(effects.lamp_cone_rad), cos(effects.lamp_cone_rad)
-        return tuple(
-            EffectParameters(
-                exposure_s=float(effects.exposure_s),
-                level=float(effects.light_level),
-                waves=draw_waves(seed)[: WAVES if effects.caustics > 0 else 0],
-                wave=wave_amplitude(effects.caustics),
-                lamp=float(effects.lamp),
-                cone=(cosine / sine) ** 2,
-                alters_light=effects.alters_light,
-                snow=float(effects.snow_per_m3),
-                scatter=float(effects.scatter_rad),
-                fish=effects.fish_per_min / 60.0,
-                fish_m=float(effects.fish_length_m),
-                frame_s=float(effects.frame_s),
-                seed=seed,
-            )
+        return EffectParameters(
+            exposure_s=float(effects.exposure_s),
+            level=float(effects.light_level),
+            waves=draw_waves(seed)[: WAVES if effects.caustics > 0 else 0],
+            wave=wave_amplitude(effects.caustics),
+            lamp=float(effects.lamp),
+            cone=(cosine / sine) ** 2,
+            alters_light=effects.alters_light,
+            snow=float(effects.snow_per_m3),
+            scatter=float(effects.scatter_rad),
+            fish=effects.fish_per_min / 60.0,
+            fish_m=float(effects.fish_length_m),
+            frame_s=float(effects.frame_s),
+            seed=seed,
         )
 
     def _build_channel(self, number: int) -> Channel:
@@ -204,18 +203,15 @@ class Camera:
     ) -> None:
         channel = self._channels.get(number)
         if channel is None:
-            channel = self._channels[number] = tuple(self._build_channel(number))
-        # A copy, since a read-only or strided pose would make Numba compile the ray-caster again.
-        if self._effect_parameters is not None:
-            self._motion[6:] = 0.0
-            self._motion[: len(pose)] = pose
-            scene, grain, plain_effects = self._scene, self._grain, self._effect_parameters
-            frame_window = (frame, window)
-            raycast_effects.draw(
-                self._motion, scene, channel, grain, plain_effects, frame_window, self._buffers, out
-            )
-            return
+            channel = self._channels[number] = self._build_channel(number)
+        # A copy, of the type that is compiled for: a pose may be read-only or strided.
+        self._motion[6:] = 0.0
+        self._motion[: len(pose)] = pose
         self._pose[:] = pose[:6]
-        raycast.draw(
-            self._pose, self._scene, channel, self._grain, frame, window, self._buffers, out
+        scene, grain, effects = self._scene, self._grain, self._effect_parameters
+        if effects is None:
+            self._render.call(self._pose, scene, channel, grain, frame, window, self._buffers, out)
+            return
+        self._render_effects.call(
+            *(self._motion, scene, channel, grain, effects, (frame, window), self._buffers, out)
         )

@@ -4,7 +4,7 @@ The buffers of a row begin at a column that is a multiple of NODE and consist of
 that no loop has a scalar remainder; what is computed outside the window is dropped.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -199,7 +199,7 @@ def expose_strip(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _draw(
+def draw(
     pose: Array,
     scene: Scene,
     channel: Channel,
@@ -209,6 +209,7 @@ def _draw(
     buffers: Buffers,
     out: NDArray[np.uint8],
 ) -> None:
+    """Render the window x0, y0, x1, y1 of one channel into `out` (H, W) uint8."""
     x0, y0, x1, y1 = window
     view = view_from(pose, scene, channel.attenuation, window)
     start, width = padded_columns(x0, x1)
@@ -219,31 +220,3 @@ def _draw(
         fetch_noise(extent, light.shape[0] // width, grain, noise_key)
         render_strip(view, row, (x0, x1), scene, channel, buffers, light)
         expose_strip(light, extent, grain, noise_key, buffers.levels, out)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def draw(
-    pose: Array,
-    scene: tuple[Any, ...],
-    channel: tuple[Any, ...],
-    grain: tuple[Any, ...],
-    frame: int,
-    window: Window,
-    buffers: tuple[Any, ...],
-    out: NDArray[np.uint8],
-) -> None:
-    """Render the window x0, y0, x1, y1 of one channel into `out` (H, W) uint8.
-
-    The tuples are `Scene`, `Channel`, `SensorNoise` and `Buffers` as plain tuples: dispatching on
-    the type of a named tuple takes Numba microseconds longer.
-    """
-    _draw(
-        pose,
-        Scene(*scene),
-        Channel(*channel),
-        SensorNoise(*grain),
-        frame,
-        window,
-        Buffers(*buffers),
-        out,
-    )

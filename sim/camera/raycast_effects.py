@@ -4,8 +4,6 @@ A plane of radiance is rendered for the window and a margin for the blur; noise 
 every image. A pixel does not depend on the window that it is rendered in.
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -79,14 +77,14 @@ def blur_sigma(view: View, scene: Scene, channel: Channel, effects: EffectParame
 def _weights(sigma: float) -> Plane:
     """Return half a normalised Gaussian: the central weight, then the next ones outwards."""
     reach = int(np.ceil(3.0 * sigma))
-    found = np.empty(reach + 1)
+    bell = np.empty(reach + 1)
     total = 0.0
     for k in range(reach + 1):
-        found[k] = exp(-0.5 * (k / sigma) * (k / sigma))
-        total += found[k] if k == 0 else 2.0 * found[k]
+        bell[k] = exp(-0.5 * (k / sigma) * (k / sigma))
+        total += bell[k] if k == 0 else 2.0 * bell[k]
     out = np.empty(reach + 1, np.float32)
     for k in range(reach + 1):
-        out[k] = _F(found[k] / total)
+        out[k] = _F(bell[k] / total)
     return out
 
 
@@ -201,25 +199,19 @@ def _average_exposure(
 @njit(cache=True, nogil=True, error_model="numpy")
 def draw(
     motion: Array,
-    plain_scene: tuple[Any, ...],
-    plain_channel: tuple[Any, ...],
-    grain: tuple[Any, ...],
-    plain_effects: tuple[Any, ...],
+    scene: Scene,
+    plain: Channel,
+    grain: SensorNoise,
+    effects: EffectParameters,
     frame_window: tuple[int, Window],
-    plain_buffers: tuple[Any, ...],
+    buffers: Buffers,
     out: NDArray[np.uint8],
 ) -> None:
     """Render a window of one channel with effects into `out` (H, W) uint8.
 
-    The tuples are those of `raycast.draw`; `motion` (12,) is the pose and the body velocities;
+    `motion` (12,) is the pose and the body velocities, `plain` the channel in daylight,
     `frame_window` the frame number and the window.
     """
-    scene, buffers, effects = (
-        Scene(*plain_scene),
-        Buffers(*plain_buffers),
-        EffectParameters(*plain_effects),
-    )
-    plain = Channel(*plain_channel)
     veil = plain.veil * effects.level
     channel = Channel(plain.seabed, plain.box_texture, plain.attenuation, veil, plain.number)
     frame, (x0, y0, x1, y1) = frame_window
@@ -238,6 +230,4 @@ def draw(
     for row in range(y0, y1):
         part = plane[row - wider[1], skip : skip + width]
         noise_key = (frame, channel.number)
-        expose_strip(
-            part, (row, start, x0, x1), SensorNoise(*grain), noise_key, buffers.levels, out
-        )
+        expose_strip(part, (row, start, x0, x1), grain, noise_key, buffers.levels, out)

@@ -19,6 +19,7 @@ import numpy as np
 from seamark.sim.control import velocity_law as law
 from seamark.sim.control.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.libm import exp
 from seamark.sim.physics.thrusters import pack_curve
 from seamark.sim.vehicles import Vehicle
@@ -59,18 +60,14 @@ class VelocityController:
         directions = np.array([t.direction for t in vehicle.thrusters], dtype=np.float64)
         allocation = np.ascontiguousarray(allocator(vehicle), dtype=np.float64)
         efforts, curve = directions * _paper_gains(settings), pack_curve(vehicle.curve)
-        self._vehicle = (allocation, directions, efforts, curve)
-        self._thrust, self._command = np.zeros((2, len(vehicle.thrusters)))
-        self._out = (self._thrust, self._command)
+        self.thrusters = law.Thrusters(allocation, directions, efforts, curve)
+        self._out = law.Outputs(*np.zeros((2, len(vehicle.thrusters))))
         self.measured = np.zeros(1, law.MEASURED)
+        self._law = SameTypes(law.step)
 
     def records(self) -> tuple[law.Records, law.Records, law.Records]:
         """Return settings (1,), axes (3,) and holds (4,), for compiled code."""
         return self._settings_record, self._axes, self._holds
-
-    def thrusters(self) -> tuple[Array, Array, Array]:
-        """Return allocator (n, 6), directions (n, 3) and efforts (n, 3), for compiled code."""
-        return self._vehicle[:3]
 
     def reset(self) -> None:
         """Hold the measured depth and heading, and zero tilt."""
@@ -81,12 +78,17 @@ class VelocityController:
     def step(self, reference: tuple[float, float, float, float], dt: float) -> Array:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
         surge, sway, heave, yaw_rate = reference
-        law.step(
-            (float(surge), float(sway), float(heave), float(yaw_rate)),
-            *(self.measured, dt, self._settings_record, self._axes, self._holds),
-            *(self._vehicle, self._out),
+        self._law.call(
+            law.Reference(float(surge), float(sway), float(heave), float(yaw_rate)),
+            self.measured,
+            dt,
+            self._settings_record,
+            self._axes,
+            self._holds,
+            self.thrusters,
+            self._out,
         )
-        return self._command
+        return self._out.command
 
 
 def _axes(vehicle: Vehicle, settings: Settings) -> law.Records:

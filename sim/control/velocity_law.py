@@ -5,7 +5,7 @@ update their records in place.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -68,6 +68,31 @@ MEASURED = np.dtype(
         ("tilt_rates", "f8", 2),  # [rad/s] p, q
     ]
 )
+
+
+class Reference(NamedTuple):
+    """What the vehicle should do."""
+
+    surge: float  # [m/s]
+    sway: float
+    heave: float
+    yaw_rate: float  # [rad/s]
+
+
+class Thrusters(NamedTuple):
+    """What the controller knows of the thrusters."""
+
+    allocator: Array  # (n, 6)
+    directions: Array  # (n, 3)
+    efforts: Array  # (n, 3) per m/s of error
+    curve: Array  # (16,) packed
+
+
+class Outputs(NamedTuple):
+    """What a control step writes."""
+
+    thrust: Array  # (n,) [N] wanted
+    command: Array  # (n,) in [-1, 1]
 
 
 @njit(cache=True, error_model="numpy")
@@ -195,41 +220,37 @@ def _add_paper_efforts(
 
 @njit(cache=True, error_model="numpy")
 def step(
-    reference: tuple[float, float, float, float],
+    reference: Reference,
     measured: Records,
     dt: float,
     settings: Records,
     axes: Records,
     holds: Records,
-    vehicle: tuple[Array, Array, Array, Array],
-    out: tuple[Array, Array],
+    thrusters: Thrusters,
+    out: Outputs,
 ) -> None:
-    """Write the thrusters' commands, (n,) in [-1, 1], for one control step.
+    """Write the thrusters' commands for one control step.
 
     Parameters
     ----------
-    reference : surge, sway, heave [m/s], yaw rate [rad/s]
-    measured, choices : (1,) records `MEASURED` and `SETTINGS`
+    measured, settings : (1,) records `MEASURED` and `SETTINGS`
     dt : [s]
     axes, holds : (3,) and (4,) records `AXIS` and `HOLD`, changed
-    vehicle : (n, 6) allocator, (n, 3) thrusters' directions, (n, 3) efforts per m/s of error, (16,)
-        packed thruster curve
-    out : (n,) thrust [N] and (n,) commands, written
     """
     setting, sensed = settings[0], measured[0]
-    allocator, directions, efforts, curve = vehicle
-    thrust, command = out
+    allocator, curve = thrusters.allocator, thrusters.curve
+    thrust, command = out.thrust, out.command
     wanted = (
-        _clip(reference[0], -setting.limit, setting.limit),
-        _clip(reference[1], -setting.limit, setting.limit),
-        _clip(reference[2], -setting.limit, setting.limit),
+        _clip(reference.surge, -setting.limit, setting.limit),
+        _clip(reference.sway, -setting.limit, setting.limit),
+        _clip(reference.heave, -setting.limit, setting.limit),
     )
-    rate = _clip(reference[3], -FASTEST_YAW_RAD_S, FASTEST_YAW_RAD_S)
+    rate = _clip(reference.yaw_rate, -FASTEST_YAW_RAD_S, FASTEST_YAW_RAD_S)
     moment = _yaw_moment(holds[HEADING], setting.hold_heading, rate, sensed, dt)
     if setting.paper:
         down = _depth_force(holds[DEPTH], wanted[HEAVE], sensed, dt) if setting.hold_depth else 0.0
         _allocate(allocator, (0.0, 0.0, down, moment), curve, thrust, command)
-        _add_paper_efforts(efforts, wanted, sensed.velocity, command)
+        _add_paper_efforts(thrusters.efforts, wanted, sensed.velocity, command)
         return
     fresh = sensed.fresh != 0.0
     surge = _force(axes[SURGE], wanted[SURGE], sensed.velocity[SURGE], fresh)
@@ -238,7 +259,7 @@ def step(
     if setting.hold_depth:
         heave = _depth_force(holds[DEPTH], wanted[HEAVE], sensed, dt)
     _allocate(allocator, (surge, sway, heave, moment), curve, thrust, command)
-    _predict_all(axes, setting, directions, thrust, dt)
+    _predict_all(axes, setting, thrusters.directions, thrust, dt)
     if setting.hold_tilt:
         _hold_tilt(holds, allocator, sensed, thrust, dt)
         commands_for(thrust, curve, command)

@@ -7,16 +7,23 @@ of that state, and the thrust acting at that moment. New commands take effect af
 import math
 import time
 from collections import deque
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.control.observation import empty
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
-from seamark.sim.engine.perception import perceive
+from seamark.sim.engine.perception import (
+    LevelConstants,
+    Moving,
+    StepInputs,
+    StepOutputs,
+    Tracked,
+    perceive,
+)
 from seamark.sim.engine.program import Autopilot, BuiltIn, Command, Program, Seeing
 from seamark.sim.engine.world import World
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
 
 _REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)
@@ -66,26 +73,23 @@ class ClosedLoop:
         self._contact_n = 0.0
         self._pose = np.zeros(6)
         self.observation = empty(self._thrusters)
-        self._constant_arguments = self._perception_arguments()
         self._step_us = 0.0
-
-    def _perception_arguments(self) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """Return the arguments of `perceive` that are the same at every step."""
-        world = self._world
-        tracking, plant = world.tracking, world.plant
-        below_camera = world.target.height_m + world.camera.optics.mount_m[2]
-        physics_step_s = world.config.physics_step_s
-        return (
-            (self._trial, self._level, physics_step_s, self._dt, below_camera),
-            (
-                *(tracking.view, world.camera.position(world.station)),
-                *(tracking.corners, self._seen.corners),
-            ),
-            (plant.state, self._pose, plant.water),
-            world.sensors.records(),
-            world.sensors.noises(),
-            world.keeper.record,
+        self._constants = LevelConstants(
+            trial=trial,
+            level=level,
+            physics_step_s=config.physics_step_s,
+            dt=self._dt,
+            below_camera=world.target.height_m + world.camera.optics.mount_m[2],
         )
+        self._tracked = Tracked(
+            target_view=world.tracking.target_view,
+            station=world.camera.position(world.station),
+            corners=world.tracking.corners,
+            seen_corners=self._seen.corners,
+        )
+        self._moving = Moving(world.plant.state, self._pose, world.plant.water)
+        self._sensors, self._noises = world.sensors.records(), world.sensors.noises()
+        self._perceive = SameTypes(perceive)
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""
@@ -114,7 +118,7 @@ class ClosedLoop:
         if not self._world.plant.read_pose(self._pose):
             raise _invalid(self._start_s + step * self._dt, "the vehicle's state")
         self._track(step)
-        self._perceive(step, self._start_s + step * self._dt, row)
+        self._measure(step, self._start_s + step * self._dt, row)
 
     def act(self, step: int, row: Row) -> None:
         """Ask the program, complete the row, and advance the vehicle to the next control step.
@@ -157,14 +161,28 @@ class ClosedLoop:
         track(pose, self._first_frame + step)
         self._seen.step(tracking.ok)
 
-    def _perceive(self, step: int, t: float, row: Row) -> None:
+    def _measure(self, step: int, t: float, row: Row) -> None:
         """Sample the sensors and update the position error; fill the row and the observation."""
         world = self._world
         altitude, echoes = world.bottom.sound(self._pose)
-        seen = (world.tracking.ok, self._seen.ok)
-        now = (step * self._physics_steps, t, *seen, altitude, echoes, self._contact_n)
-        outputs = (row, self.observation, world.velocity_controller.measured)
-        perceive(now, *self._constant_arguments, outputs)
+        self._perceive.call(
+            StepInputs(
+                step=step * self._physics_steps,
+                t=t,
+                ok=world.tracking.ok,
+                seen=self._seen.ok,
+                altitude=altitude,
+                echoes=echoes,
+                contact_n=self._contact_n,
+            ),
+            self._constants,
+            self._tracked,
+            self._moving,
+            self._sensors,
+            self._noises,
+            world.keeper.record,
+            StepOutputs(row, self.observation, world.velocity_controller.measured),
+        )
 
     def _image(self) -> NDArray[np.uint8]:
         """Return the image that the station keeper has now, in blue, green, red."""

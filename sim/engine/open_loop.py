@@ -102,7 +102,7 @@ class OpenLoop:
         row[_TIME] = self._trial, self._level, self._start_s + step * self._dt
         row[_MOTION] = motion
         write_tracking_error(
-            motion, tracking.corners, tracking.ok, tracking.view, self._station, row
+            motion, tracking.corners, tracking.ok, tracking.target_view, self._station, row
         )
         row[STEP_US] = tracking.step_us
 

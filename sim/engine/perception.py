@@ -4,16 +4,17 @@ It fills the row of telemetry, the program's observation and the measurements of
 controller. In Python this took as long as rendering the image.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba import njit
 
 from seamark.sim.control.observation import STARTS
 from seamark.sim.control.station_keeper import update_position_error
 from seamark.sim.control.velocity_law import Records
-from seamark.sim.engine.tracking_error import View, write_tracking_error
+from seamark.sim.engine.tracking_error import TargetView, write_tracking_error
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID, write_current
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, WIDTH
 from seamark.sim.sensors.ahrs import sample_attitude
@@ -21,10 +22,6 @@ from seamark.sim.sensors.altimeter import sample_altitude
 from seamark.sim.sensors.depth import sample_depth
 from seamark.sim.sensors.dvl import sample_dvl
 from seamark.sim.sensors.sensor import Record
-
-# Of DVL, depth gauge, AHRS and altimeter: their records, (1,) each, and their noise.
-SensorRecords = tuple[Records, Records, Records, Records]
-SensorNoises = tuple[Array, Array, Array, Array]
 
 _TRIAL, _LEVEL, _T = INDEX["trial"], INDEX["level"], INDEX["t"]
 _POSE, _VELOCITY, _CURRENT = INDEX["x"], INDEX["u"], INDEX["current_x"]
@@ -40,7 +37,7 @@ _SEEN_ATTITUDE, _SEEN_THRUST = STARTS["attitude"], STARTS["thrust"]
 
 
 class StepInputs(NamedTuple):
-    """The scalars that change from step to step; passed in this order, as a plain tuple."""
+    """The scalars that change from step to step."""
 
     step: int  # physics steps since the level began
     t: float  # [s] since the trial began
@@ -52,7 +49,7 @@ class StepInputs(NamedTuple):
 
 
 class LevelConstants(NamedTuple):
-    """The scalars that are constant over a level; passed in this order, as a plain tuple."""
+    """The scalars that are constant over a level."""
 
     trial: int
     level: int
@@ -61,60 +58,94 @@ class LevelConstants(NamedTuple):
     below_camera: float  # [m] altitude at which the camera would touch the target
 
 
+class Tracked(NamedTuple):
+    """Where the target is and where the tracker has it."""
+
+    target_view: TargetView
+    station: Array  # (3,) [m] where the camera should be
+    corners: Array  # (8,) [px] by the tracker, in this image
+    seen_corners: Array  # (8,) [px] in the image that the station keeper gets now
+
+
+class Moving(NamedTuple):
+    """The vehicle and the water around it."""
+
+    state: Array  # (13 + n,), see `plant.Plant`
+    pose: Array  # (6,) [m, rad]
+    water: Water
+
+
+class SensorRecords(NamedTuple):
+    """The sensors' records, (1,) each, which are updated."""
+
+    dvl: Records
+    depth: Records
+    ahrs: Records
+    altimeter: Records
+
+
+class SensorNoises(NamedTuple):
+    """The noise of the sensors' readings, (readings, values)."""
+
+    dvl: Array
+    depth: Array
+    ahrs: Array
+    altimeter: Array
+
+
+class StepOutputs(NamedTuple):
+    """What perception writes."""
+
+    row: Array  # of telemetry, except for the program's reference and step time
+    observation: Array  # of the program
+    measured: Records  # (1,) of the velocity controller
+
+
 @njit(cache=True, error_model="numpy")
 def perceive(
-    plain_inputs: tuple[Any, ...],
-    plain_constants: tuple[Any, ...],
-    tracked: tuple[View, Array, Array, Array],
-    plant: tuple[Array, Array, tuple[Any, ...]],
+    inputs: StepInputs,
+    constants: LevelConstants,
+    tracked: Tracked,
+    moving: Moving,
     sensors: SensorRecords,
     noises: SensorNoises,
     keepers: Records,
-    outputs: tuple[Array, Array, Records],
+    outputs: StepOutputs,
 ) -> None:
     """Sample all sensors, update the position error, and write the outputs.
 
-    Parameters
-    ----------
-    plain_inputs, plain_constants
-        `StepInputs` and `LevelConstants`.
-    tracked
-        `tracking_error.View`; the station (3,) [m]; the tracker's corners (8,) [px] in this image,
-        and in the image that the station keeper gets now.
-    plant
-        Its state (13 + n,), pose (6,), the water as a plain tuple.
-    sensors, noises
-        The records, which are updated, and the noise of the readings.
-    keepers
-        (1,) record of the station keeper, updated.
-    outputs
-        The row of telemetry, written except for the program's reference and step time; the
-        observation; the measurements of the velocity controller, (1,) record.
+    `keepers` is the record of the station keeper, (1,), which is updated.
     """
-    inputs, constants = StepInputs(*plain_inputs), LevelConstants(*plain_constants)
-    view, station, corners, seen_corners = borrowed(tracked)
-    state, pose, water = borrowed(plant)
-    row, observation, measured = borrowed(outputs)
+    tracked, moving, outputs = borrowed(tracked), borrowed(moving), borrowed(outputs)
     sensors, noises, keepers = borrowed(sensors), borrowed(noises), borrowed(keepers)
+    state, pose = moving.state, moving.pose
+    row, observation = outputs.row, outputs.observation
     velocity, sounding = state[7:13], (inputs.altitude, inputs.echoes)
-    dvl, depth, attitude, altitude = sensors[0][0], sensors[1][0], sensors[2][0], sensors[3][0]
-    sample_dvl(dvl, noises[0], inputs.step, pose, velocity, sounding)
-    sample_depth(depth, noises[1], inputs.step, pose)
-    sample_attitude(attitude, noises[2], inputs.step, pose, velocity)
-    sample_altitude(altitude, noises[3], inputs.step, pose, sounding)
+    dvl, depth, attitude, altitude = (
+        sensors.dvl[0],
+        sensors.depth[0],
+        sensors.ahrs[0],
+        sensors.altimeter[0],
+    )
+    sample_dvl(dvl, noises.dvl, inputs.step, pose, velocity, sounding)
+    sample_depth(depth, noises.depth, inputs.step, pose)
+    sample_attitude(attitude, noises.ahrs, inputs.step, pose, velocity)
+    sample_altitude(altitude, noises.altimeter, inputs.step, pose, sounding)
 
     height = altitude.values[0] - constants.below_camera
     tilt = (attitude.values[0], attitude.values[1])
-    update_position_error(keepers[0], seen_corners, inputs.seen, height, tilt, constants.dt)
+    update_position_error(keepers[0], tracked.seen_corners, inputs.seen, height, tilt, constants.dt)
 
-    write_tracking_error(pose, corners, inputs.ok, view, station, row)
+    write_tracking_error(
+        pose, tracked.corners, inputs.ok, tracked.target_view, tracked.station, row
+    )
     time_s = inputs.step * constants.physics_step_s
-    write_current(time_s, water, state, row[_CURRENT : _CURRENT + 3])
+    write_current(time_s, moving.water, state, row[_CURRENT : _CURRENT + 3])
     _record_time_and_contact(inputs, constants, row)
     _record_motion(pose, state, row)
     for i in range(3):
         row[_ERROR + i], row[_DVL + i] = keepers[0].error[i], dvl.values[i]
-    _fill_measured(inputs.step, dvl, depth, attitude, measured[0])
+    _fill_measured(inputs.step, dvl, depth, attitude, outputs.measured[0])
     observation[_SEEN_T], observation[_SEEN_DT] = inputs.t, constants.dt
     _observe_position_error(keepers[0], observation)
     _observe_sensors(dvl, depth, attitude, altitude, observation)

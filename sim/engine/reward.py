@@ -30,11 +30,11 @@ _DISTANCE_M, _THRUST = INDEX["distance"], INDEX["thrust_0"]
 
 
 class Goal(NamedTuple):
-    """What a step is measured against; passed in this order, as a plain tuple."""
+    """What a step is measured against."""
 
     kind: int  # DISTANCE or TOOL
     tool: Array  # (3,) [m] the point that counts, in the body
-    place: Array  # (3,) [m] NED, where it should be
+    station: Array  # (3,) [m] NED, where it should be
     forward: float  # [N] the most that a thruster gives
     reverse: float  # [N]
     thrusters: int
@@ -58,26 +58,26 @@ def goal(
         The tool in the body, forward and starboard, at the camera's height; None: the camera.
     """
     point = np.array(mount_m if tool_m is None else (*tool_m, mount_m[2]))
-    rotation, place = np.empty((3, 3)), np.empty(3)
-    camera_pose(station, point, rotation, place)
+    rotation, position = np.empty((3, 3)), np.empty(3)
+    camera_pose(station, point, rotation, position)
     forward, reverse = vehicle.curve.limits.value
     kind = DISTANCE if tool_m is None else TOOL
-    return Goal(kind, point, place, forward, reverse, len(vehicle.thrusters))
+    return Goal(kind, point, position, forward, reverse, len(vehicle.thrusters))
 
 
 @njit(cache=True, error_model="numpy")
-def reward_of(row: Array, plain_goal: tuple[int, Array, Array, float, float, int]) -> float:
-    """Return the reward of a row of telemetry; `plain_goal` is a `Goal`."""
-    goal = Goal(*plain_goal)
+def reward_of(row: Array, goal: Goal) -> float:
+    """Return the reward of a row of telemetry."""
     # nan, the target behind the camera, counts as lost.
     if row[_OK] == 0.0 or not row[_CORNER_ERROR] <= LOST_PX:
         return 0.0
     if goal.kind == DISTANCE:
         near: float = 1.0 / (1.0 + row[_DISTANCE_M] / SCORE_LENGTH_M)
         return near
-    rotation, place = np.empty((3, 3)), np.empty(3)
-    camera_pose(row[_POSE : _POSE + 6], goal.tool, rotation, place)
-    x, y, z = place[0] - goal.place[0], place[1] - goal.place[1], place[2] - goal.place[2]
+    rotation, point = np.empty((3, 3)), np.empty(3)
+    camera_pose(row[_POSE : _POSE + 6], goal.tool, rotation, point)
+    wanted = goal.station
+    x, y, z = point[0] - wanted[0], point[1] - wanted[1], point[2] - wanted[2]
     error, circles = math.sqrt(x * x + y * y + z * z), 0
     for radius in CIRCLES_M:
         if error <= radius:

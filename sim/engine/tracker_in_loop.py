@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.tracking_error import TOP_CENTRE, View
+from seamark.sim.engine.tracking_error import TOP_CENTRE, TargetView
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.settings.tracker import TrackerSettings
 from seamark.sim.trackers import Tracker, make
@@ -36,7 +36,7 @@ class TrackerInLoop:
         reference
             Takes the first image, from which the tracker learns the target, instead of `camera`.
         target
-            The point that counts as the target's true position, as in `View`.
+            The point that counts as the target's true position, as in `TargetView`.
         """
         self._camera = camera
         self._reference = reference or camera
@@ -46,7 +46,7 @@ class TrackerInLoop:
         self._corners = np.zeros((4, 2))
         self.corners = self._corners.reshape(8)  # [px] last valid ones; a view of the same memory
         self.ok = False  # whether the tracker reports the target in the present image
-        self.view: View = (*camera.view(), target)
+        self.target_view = TargetView(*camera.view(), target)
         self.step_us = 0.0  # wall time of the tracker's last update; never part of a result
 
     def _configured(self, settings: TrackerSettings) -> Tracker:

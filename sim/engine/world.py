@@ -46,11 +46,13 @@ class Sensors:
 
     def records(self) -> SensorRecords:
         """Return their records, for compiled code."""
-        return self.dvl.record, self.depth.record, self.ahrs.record, self.altimeter.record
+        return SensorRecords(
+            self.dvl.record, self.depth.record, self.ahrs.record, self.altimeter.record
+        )
 
     def noises(self) -> SensorNoises:
-        """Return the noise of their readings, in the same order."""
-        return self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise
+        """Return the noise of their readings, for compiled code."""
+        return SensorNoises(self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

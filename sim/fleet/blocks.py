@@ -1,21 +1,21 @@
 """The motion of a block: eight vehicles side by side, by the functions that move a single one."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from seamark.sim.fleet.tables import Bodies, Motion
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES, lanes_of, select
 from seamark.sim.physics.current import Water, segment_at
-from seamark.sim.physics.dynamics import RIGID, Body, runge_kutta_step
+from seamark.sim.physics.dynamics import RIGID, Body, Buffers, runge_kutta_step
 from seamark.sim.physics.thrusters import thrust_from_command
 
 
 class Work(NamedTuple):
-    """Memory of one thread; a plain tuple in this order."""
+    """Memory of one thread."""
 
     state: Array  # (13 + k, 8)
     command: Array  # (k, 8)
@@ -24,40 +24,34 @@ class Work(NamedTuple):
     middle: Array  # (1, 8) [s] the middle of the physics step
     segment: Array  # (5, 8), see current.Segment
     deep: Array  # (1, 8) whether the vehicle came below its gate: 0 or 1
-    moves: Any  # (8,) bool: which vehicles are advanced
-    k1: Array  # (13 + k, 8), as the following ones of `dynamics.Buffers`
-    k2: Array
-    k3: Array
-    k4: Array
-    y: Array
-    rotation: Array  # (3, 3, 8)
-    relative: Array  # (6, 8)
-    momentum: Array
-    wrench: Array
+    moves: Flags  # (8,) which vehicles are advanced
+    buffers: Buffers  # each with a last index of 8
 
 
 @njit(cache=True, error_model="numpy")
-def block_buffers(size: int) -> tuple[Any, ...]:
-    """Return a `Work` for states of this size."""
+def work_for(size: int) -> Work:
+    """Return the memory for states of this size."""
     thrusters = size - RIGID
-    return (
-        np.zeros((size, LANES)),
-        np.zeros((thrusters, LANES)),
-        np.zeros((thrusters, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros((5, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros(LANES, np.bool_),
-        np.zeros((size, LANES)),
-        np.zeros((size, LANES)),
-        np.zeros((size, LANES)),
-        np.zeros((size, LANES)),
-        np.zeros((size, LANES)),
-        np.zeros((3, 3, LANES)),
-        np.zeros((6, LANES)),
-        np.zeros((6, LANES)),
-        np.zeros((6, LANES)),
+    return Work(
+        state=np.zeros((size, LANES)),
+        command=np.zeros((thrusters, LANES)),
+        target=np.zeros((thrusters, LANES)),
+        first=np.zeros((1, LANES)),
+        middle=np.zeros((1, LANES)),
+        segment=np.zeros((5, LANES)),
+        deep=np.zeros((1, LANES)),
+        moves=np.zeros(LANES, np.bool_),
+        buffers=Buffers(
+            k1=np.zeros((size, LANES)),
+            k2=np.zeros((size, LANES)),
+            k3=np.zeros((size, LANES)),
+            k4=np.zeros((size, LANES)),
+            y=np.zeros((size, LANES)),
+            rotation=np.zeros((3, 3, LANES)),
+            relative=np.zeros((6, LANES)),
+            momentum=np.zeros((6, LANES)),
+            wrench=np.zeros((6, LANES)),
+        ),
     )
 
 
@@ -106,7 +100,7 @@ def advance_block(
         target[j] = thrust_from_command(command[j], curve) * gains[j]
     body, water = _body(block, bodies), _water(block, law, motion)
     gate = lanes_of(motion.gate)[block]
-    buffers = _buffers(work)
+    buffers = _lanes_of_buffers(work.buffers)
     deep[0] = 0.0
     for done in range(steps):
         deep[0] = select(state[2] > gate, 1.0, deep[0])
@@ -121,59 +115,63 @@ def advance_block(
 def _find_segments(block: int, motion: Motion, work: Work) -> None:
     for lane in range(LANES):
         if work.moves[lane]:
-            found = segment_at(work.middle[0, lane], motion.drift[block * LANES + lane])
-            for j in range(len(found)):
-                work.segment[j, lane] = found[j]
+            piece = segment_at(work.middle[0, lane], motion.drift[block * LANES + lane])
+            for j in range(len(piece)):
+                work.segment[j, lane] = piece[j]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _buffers(work: Work) -> tuple[Any, ...]:
-    """Return `dynamics.Buffers` for lanes."""
-    return (
-        lanes_of(work.k1),
-        lanes_of(work.k2),
-        lanes_of(work.k3),
-        lanes_of(work.k4),
-        lanes_of(work.y),
-        lanes_of(work.rotation),
-        lanes_of(work.relative),
-        lanes_of(work.momentum),
-        lanes_of(work.wrench),
+def _lanes_of_buffers(buffers: Buffers) -> Buffers:
+    return Buffers(
+        k1=lanes_of(buffers.k1),
+        k2=lanes_of(buffers.k2),
+        k3=lanes_of(buffers.k3),
+        k4=lanes_of(buffers.k4),
+        y=lanes_of(buffers.y),
+        rotation=lanes_of(buffers.rotation),
+        relative=lanes_of(buffers.relative),
+        momentum=lanes_of(buffers.momentum),
+        wrench=lanes_of(buffers.wrench),
     )
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _body(block: int, bodies: Bodies) -> Body:
     return Body(
-        lanes_of(bodies.mass[block]),
-        lanes_of(bodies.inverse_mass[block]),
-        lanes_of(bodies.added[block]),
-        lanes_of(bodies.linear[block]),
-        lanes_of(bodies.quadratic[block]),
-        lanes_of(bodies.allocation[block]),
-        lanes_of(bodies.net_weight)[block],
-        lanes_of(bodies.moment[block]),
-        lanes_of(bodies.lag_rate)[block],
+        mass=lanes_of(bodies.mass[block]),
+        inverse_mass=lanes_of(bodies.inverse_mass[block]),
+        added=lanes_of(bodies.added[block]),
+        linear=lanes_of(bodies.linear[block]),
+        quadratic=lanes_of(bodies.quadratic[block]),
+        allocation=lanes_of(bodies.allocation[block]),
+        net_weight=lanes_of(bodies.net_weight)[block],
+        moment=lanes_of(bodies.moment[block]),
+        lag_rate=lanes_of(bodies.lag_rate)[block],
     )
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _water(block: int, law: int, motion: Motion) -> Water:
     """Return the water of a block; its drift is read vehicle by vehicle."""
-    water = lanes_of(motion.water[block])
+    return water_of(lanes_of(motion.water[block]), law, motion.drift[0])
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def water_of(numbers: Array, law: int, drift: Array) -> Water:
+    """Return the water with these `tables.WATER_NUMBERS`: of one vehicle, or of lanes of them."""
     return Water(
-        law,
-        water[0],
-        water[1],
-        water[2],
-        water[3],
-        water[4],
-        water[5],
-        water[6],
-        water[7],
-        water[8],
-        motion.drift[0],
-        water[9],
-        water[10],
-        water[11],
+        law=law,
+        level=numbers[0],
+        azimuth=numbers[1],
+        azimuth_swing=numbers[2],
+        azimuth_rate=numbers[3],
+        speed_swing=numbers[4],
+        speed_rate=numbers[5],
+        force=numbers[6],
+        azimuth_phase=numbers[7],
+        speed_phase=numbers[8],
+        drift=drift,
+        shear=numbers[9],
+        bottom=numbers[10],
+        height=numbers[11],
     )

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.reward import goal
-from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
+from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, TargetView
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
 from seamark.sim.fleet.columns import copy_columns
 from seamark.sim.fleet.steps import Shared, sense_all, step_all
-from seamark.sim.fleet.tables import COMMAND_NUMBERS, Sizes, Tables, empty_tables
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tables, empty_tables
+from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.current import grid_points
 from seamark.sim.physics.pose import read_pose
@@ -26,7 +26,6 @@ from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 
-Flags = NDArray[np.bool_]
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
 
 
@@ -79,8 +78,7 @@ class Fleet:
         self.steps_per_level = config.control_steps_per_level
         self.craft: list[Craft | None] = [None] * count
         self.tables: Tables = empty_tables(_sizes(config, count, by_thrusters=by_thrusters))
-        self._plain = self.tables.plain()
-        self._shared: Any = tuple(_shared(config, tool_m, by_thrusters=by_thrusters))
+        self._shared = _shared(config, tool_m, by_thrusters=by_thrusters)
 
     def place(
         self,
@@ -88,7 +86,7 @@ class Fleet:
         craft: Craft,
         *,
         start_s: float,
-        place: tuple[int, int],
+        trial_level: tuple[int, int],
         start_error: Array,
     ) -> None:
         """Put a vehicle at the start of a level.
@@ -97,8 +95,6 @@ class Fleet:
         ----------
         start_s
             Time of the trial at which the level begins.
-        place
-            Trial and level.
         start_error : (8,) [px]
             Of the corners that the tracker is given.
         """
@@ -108,36 +104,30 @@ class Fleet:
         bodies, motion, instruments, controllers, progress, outputs = self.tables
         plant, conditions = craft.plant, craft.conditions
         block, lane = divmod(i, LANES)
-        parameters: Any
+        table: Any
         body = (*plant.body, plant.thruster_gains, plant.curve)
-        for parameters, values in zip(bodies, body, strict=True):
-            parameters[block, ..., lane] = _padded(values, parameters.shape[1:-1])
+        for table, values in zip(bodies, body, strict=True):
+            table[block, ..., lane] = _padded(values, table.shape[1:-1])
         motion.state[i] = _padded(plant.state, motion.state.shape[1:])
         motion.gate[block, lane] = math.inf if craft.contact is None else craft.contact.gate_depth
         water = plant.current.water
         motion.law[i], motion.drift[i] = water.law, water.drift
-        motion.water[block, :, lane] = [*water[1:10], *water[11:]]
-        sensors, noises = craft.sensors.records(), craft.sensors.noises()
-        table: Any
-        for table, record in zip(instruments[:4], sensors, strict=True):
+        motion.water[block, :, lane] = [getattr(water, name) for name in WATER_NUMBERS]
+        for table, record in zip(instruments.records, craft.sensors.records(), strict=True):
             table[i] = record[0]
-        for table, noise in zip(instruments[4:8], noises, strict=True):
+        for table, noise in zip(instruments.noises, craft.sensors.noises(), strict=True):
             table[i] = noise
         instruments.keeper[i] = craft.keeper.record[0]
         settings, axes, holds = craft.velocity_controller.records()
         controllers.measured[i] = craft.velocity_controller.measured[0]
-        controllers.settings[i], controllers.axes[i], controllers.holds[i] = (
-            settings[0],
-            axes,
-            holds,
-        )
-        for table, values in zip(
-            controllers[4:7], craft.velocity_controller.thrusters(), strict=True
-        ):
+        controllers.settings[i], controllers.axes[i] = settings[0], axes
+        controllers.holds[i] = holds
+        known = craft.velocity_controller.thrusters
+        for table, values in zip(controllers.thrusters, known, strict=True):
             table[i] = _padded(values, table.shape[1:])
-        controllers.curve[i], controllers.limits[i] = plant.curve, plant.vehicle.curve.limits.value
-        controllers.thrusters[i] = len(plant.vehicle.thrusters)
-        progress.step[i], progress.place[i], progress.start_s[i] = 0, place, start_s
+        controllers.limits[i] = plant.vehicle.curve.limits.value
+        controllers.thruster_count[i] = len(plant.vehicle.thrusters)
+        progress.step[i], progress.trial_level[i], progress.start_s[i] = 0, trial_level, start_s
         progress.late[i] = conditions.camera_delay_steps, conditions.command_delay_steps
         outputs.diverged[i] = outputs.touching[i] = False
         outputs.contact_n[i], outputs.rows[i], outputs.observation[i] = 0.0, 0.0, 0.0
@@ -147,7 +137,7 @@ class Fleet:
     def begin(self, chosen: Flags) -> None:
         """Sense the start of a level with the chosen vehicles, (n,), just placed."""
         self._track(chosen)
-        self._in_threads(sense_all, chosen, self._shared, self._plain)
+        self._in_threads(sense_all, chosen, self._shared, self.tables)
 
     def step(self, chosen: Flags, actions: Array) -> None:
         """Take the actions, (n, numbers), of the chosen vehicles and simulate a control step.
@@ -155,16 +145,16 @@ class Fleet:
         Afterwards observations, rows and rewards are those of the new state. A vehicle whose
         simulation diverged keeps its last ones.
         """
-        self._in_threads(step_all, chosen, actions, self._shared, self._plain)
+        self._in_threads(step_all, chosen, actions, self._shared, self.tables)
         touching = chosen & self.tables.outputs.touching
         for i in np.flatnonzero(touching).tolist():
             self._advance_in_contact(i)
         if not self._truth:
             going = chosen & ~self.tables.outputs.diverged
             self._track(going)
-            self._in_threads(sense_all, going, self._shared, self._plain)
+            self._in_threads(sense_all, going, self._shared, self.tables)
         elif touching.any():
-            self._in_threads(sense_all, touching, self._shared, self._plain)
+            self._in_threads(sense_all, touching, self._shared, self.tables)
 
     def telemetry(self, columns: NDArray[np.int64]) -> Array:
         """Return columns (k,) of the vehicles' rows of telemetry, (n, k), in a new array."""
@@ -223,7 +213,7 @@ class Fleet:
         craft, motion, outputs = self.craft[i], self.tables.motion, self.tables.outputs
         if craft is None:
             raise RuntimeError("a vehicle that was never placed cannot touch anything")
-        plant, steps = craft.plant, self._shared[0]
+        plant, steps = craft.plant, self._shared.physics_steps
         size, thrusters = len(plant.state), len(plant.vehicle.thrusters)
         plant.state[:] = motion.state[i, :size]  # still that before the step
         first = (int(self.tables.progress.step[i]) - 1) * steps
@@ -279,14 +269,16 @@ def _shared(
         bottom_m=float(target.seabed_m),
         width_px=float(optics.width),
         height_px=float(optics.height),
-        points=np.concatenate(points),
-        intrinsics=optics.intrinsics(),
-        mount=mount,
-        counts=BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE,
+        target_view=TargetView(
+            points=np.concatenate(points),
+            intrinsics=optics.intrinsics(),
+            mount=mount,
+            target=BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE,
+        ),
         station=_camera_position(station, mount),
         goal=aim.kind,
         tool=aim.tool,
-        place=aim.place,
+        tool_station=aim.station,
         by_thrusters=by_thrusters,
         truth=config.tracker == TRUTH,
     )

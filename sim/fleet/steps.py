@@ -5,46 +5,47 @@ Eight of them move at a time (`blocks.py`).
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from seamark.sim.camera.geometry import camera_pose, project
 from seamark.sim.control import velocity_law
 from seamark.sim.control.velocity_law import DEPTH, HEADING
-from seamark.sim.engine.perception import perceive
-from seamark.sim.engine.reward import reward_of
+from seamark.sim.engine.perception import (
+    LevelConstants,
+    Moving,
+    SensorNoises,
+    SensorRecords,
+    StepInputs,
+    StepOutputs,
+    Tracked,
+    perceive,
+)
+from seamark.sim.engine.reward import Goal, reward_of
+from seamark.sim.engine.tracking_error import TargetView
 from seamark.sim.fleet.blocks import (
     Work,
     advance_block,
-    block_buffers,
     load_vehicle,
     store_vehicle,
+    water_of,
+    work_for,
 )
-from seamark.sim.fleet.tables import (
-    COMMAND_NUMBERS,
-    Bodies,
-    Controllers,
-    Instruments,
-    Motion,
-    Outputs,
-    Progress,
-)
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.fleet.tables import COMMAND_NUMBERS, Controllers, Motion, Progress, Tables
+from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.pose import read_pose
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 
-Flags = NDArray[np.bool_]
 _REFERENCE = INDEX["ref_u"]
 _CORNERS = 8
 
 
 class Shared(NamedTuple):
-    """What all vehicles have in common; passed in this order, as a plain tuple."""
+    """What all vehicles have in common."""
 
     physics_steps: int  # per control step
     physics_step_s: float
@@ -53,22 +54,17 @@ class Shared(NamedTuple):
     bottom_m: float  # [m] depth of the bottom
     width_px: float
     height_px: float
-    points: Array  # (6, 3) [m] of the target, see tracking_error.View
-    intrinsics: Array  # (3,) [px]
-    mount: Array  # (3,) [m]
-    counts: int  # index of the target's point that counts
+    target_view: TargetView
     station: Array  # (3,) [m] where the camera should be
     goal: int  # kind of reward
     tool: Array  # (3,) [m], see reward.Goal
-    place: Array  # (3,) [m]
+    tool_station: Array  # (3,) [m] where the tool should be
     by_thrusters: bool  # whether actions are commands of the thrusters
     truth: bool  # whether the tracker is the ground truth
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sense_all(
-    first: int, last: int, chosen: Flags, shared: tuple[Any, ...], tables: tuple[Any, ...]
-) -> None:
+def sense_all(first: int, last: int, chosen: Flags, shared: Shared, tables: Tables) -> None:
     """Write observation, telemetry and reward of the chosen vehicles (n,) of some blocks."""
     shared, tables = borrowed(shared), borrowed(tables)
     for i in range(first * LANES, min(last * LANES, chosen.size)):
@@ -82,8 +78,8 @@ def step_all(
     last: int,
     chosen: Flags,
     actions: Array,
-    shared: tuple[Any, ...],
-    tables: tuple[Any, ...],
+    shared: Shared,
+    tables: Tables,
 ) -> None:
     """Take the actions (n, numbers) of the chosen vehicles (n,) and simulate a control step.
 
@@ -91,11 +87,11 @@ def step_all(
     of their own, have sensed the new state.
     """
     actions, shared, tables = borrowed(actions), borrowed(shared), borrowed(tables)
-    own = block_buffers(tables[1][0].shape[1])
+    own = work_for(tables.motion.state.shape[1])
     work = borrowed(own)
     for block in range(first, last):
         _step_block(block, chosen, actions, shared, tables, work)
-    own[0][0, 0] = 0.0  # the owner of `work` must live until here
+    own.state[0, 0] = 0.0  # the owner of `work` must live until here
 
 
 @njit(cache=True, error_model="numpy")
@@ -103,15 +99,14 @@ def _step_block(
     block: int,
     chosen: Flags,
     actions: Array,
-    plain_shared: tuple[Any, ...],
-    tables: tuple[Any, ...],
-    plain_work: tuple[Any, ...],
+    shared: Shared,
+    tables: Tables,
+    work: Work,
 ) -> None:
     # Borrowed again: only inside one function the compiler knows that nothing is counted.
-    actions, tables, plain_work = borrowed(actions), borrowed(tables), borrowed(plain_work)
-    plain_shared = borrowed(plain_shared)
-    shared, motion, work = Shared(*plain_shared), Motion(*tables[1]), Work(*plain_work)
-    progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
+    actions, tables, work = borrowed(actions), borrowed(tables), borrowed(work)
+    shared = borrowed(shared)
+    motion, progress, outputs = tables.motion, tables.progress, tables.outputs
     begin = block * LANES
     end = min(begin + LANES, chosen.size)
     law = -1
@@ -124,26 +119,26 @@ def _step_block(
     if law < 0:
         return
     steps = (shared.physics_steps, shared.physics_step_s)
-    advance_block(block, law, steps, Bodies(*tables[0]), motion, work)
+    advance_block(block, law, steps, tables.bodies, motion, work)
     for i in range(begin, end):
         if work.moves[i - begin]:
             progress.step[i] += 1
             outputs.contact_n[i] = 0.0
             outputs.touching[i] = store_vehicle(i, motion, work)
             if shared.truth and not outputs.touching[i]:
-                _sense(i, plain_shared, tables)
+                _sense(i, shared, tables)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _act(i: int, actions: Array, shared: Shared, tables: tuple[Any, ...]) -> bool:
+def _act(i: int, actions: Array, shared: Shared, tables: Tables) -> bool:
     """Write the commands of one vehicle; False, and `diverged`, if one is not finite."""
-    motion, controllers = Motion(*tables[1]), Controllers(*tables[3])
-    progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
+    motion, controllers = tables.motion, tables.controllers
+    progress, outputs = tables.progress, tables.outputs
     arriving = _delayed(i, actions[i], progress)
     command, row = motion.command[i], outputs.rows[i]
     if shared.by_thrusters:
         for j in range(command.size):
-            command[j] = arriving[j] if j < controllers.thrusters[i] else 0.0
+            command[j] = arriving[j] if j < controllers.thruster_count[i] else 0.0
     else:
         for j in range(COMMAND_NUMBERS):
             row[_REFERENCE + j] = actions[i, j]
@@ -184,55 +179,29 @@ def _control(
             holds[at].target, holds[at].force = 0.0, 0.0
         holds[DEPTH].target = measured[i].depth
         holds[HEADING].target = measured[i].yaw
-    vehicle = (
-        controllers.allocator[i],
-        controllers.directions[i],
-        controllers.efforts[i],
-        controllers.curve[i],
-    )
+    thrusters = controllers.thrusters
     velocity_law.step(
-        (reference[0], reference[1], reference[2], reference[3]),
+        velocity_law.Reference(reference[0], reference[1], reference[2], reference[3]),
         measured[i : i + 1],
         dt,
         controllers.settings[i : i + 1],
         controllers.axes[i],
         holds,
-        vehicle,
-        (motion.thrust[i], motion.command[i]),
+        velocity_law.Thrusters(
+            allocator=thrusters.allocator[i],
+            directions=thrusters.directions[i],
+            efforts=thrusters.efforts[i],
+            curve=thrusters.curve[i],
+        ),
+        velocity_law.Outputs(thrust=motion.thrust[i], command=motion.command[i]),
     )
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _water(i: int, motion: Motion) -> tuple[Any, ...]:
-    """Return a `current.Water` as a plain tuple."""
-    water = motion.water[i // LANES, :, i % LANES]
-    return (
-        motion.law[i],
-        water[0],
-        water[1],
-        water[2],
-        water[3],
-        water[4],
-        water[5],
-        water[6],
-        water[7],
-        water[8],
-        motion.drift[i],
-        water[9],
-        water[10],
-        water[11],
-    )
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
+def _sense(i: int, shared: Shared, tables: Tables) -> None:
     """Sample the sensors of one vehicle; sets `diverged` if its state is not finite."""
-    shared, motion = Shared(*plain_shared), Motion(*tables[1])
-    instruments, progress, outputs = (
-        Instruments(*tables[2]),
-        Progress(*tables[4]),
-        Outputs(*tables[5]),
-    )
+    motion, instruments, controllers = tables.motion, tables.instruments, tables.controllers
+    progress, outputs = tables.progress, tables.outputs
     state, pose = motion.state[i], outputs.pose[i]
     if not read_pose(state, pose):
         outputs.diverged[i] = True
@@ -242,51 +211,60 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
         outputs.visible[i] = _track_truth(pose, shared, progress, i, corners)
     seen = _seen(i, corners, outputs.visible[i], progress)
     step = progress.step[i]
-    inputs = (
-        step * shared.physics_steps,
-        progress.start_s[i] + step * shared.dt,
-        bool(outputs.visible[i]),
-        seen[_CORNERS] != 0.0,
-        shared.bottom_m - pose[2],
-        4,
-        outputs.contact_n[i],
-    )
-    constants = (
-        progress.place[i, 0],
-        progress.place[i, 1],
-        shared.physics_step_s,
-        shared.dt,
-        shared.below_camera,
-    )
-    view = (shared.points, shared.intrinsics, shared.mount, shared.counts)
+    records, noises = instruments.records, instruments.noises
+    numbers = motion.water[i // LANES, :, i % LANES]
     perceive(
-        inputs,
-        constants,
-        (view, shared.station, corners, seen),
-        (state, pose, _water(i, motion)),
-        (
-            instruments.dvl[i : i + 1],
-            instruments.depth[i : i + 1],
-            instruments.ahrs[i : i + 1],
-            instruments.altimeter[i : i + 1],
+        StepInputs(
+            step=step * shared.physics_steps,
+            t=progress.start_s[i] + step * shared.dt,
+            ok=bool(outputs.visible[i]),
+            seen=seen[_CORNERS] != 0.0,
+            altitude=shared.bottom_m - pose[2],
+            echoes=4,
+            contact_n=outputs.contact_n[i],
         ),
-        (
-            instruments.dvl_noise[i],
-            instruments.depth_noise[i],
-            instruments.ahrs_noise[i],
-            instruments.altimeter_noise[i],
+        LevelConstants(
+            trial=progress.trial_level[i, 0],
+            level=progress.trial_level[i, 1],
+            physics_step_s=shared.physics_step_s,
+            dt=shared.dt,
+            below_camera=shared.below_camera,
+        ),
+        Tracked(
+            target_view=shared.target_view,
+            station=shared.station,
+            corners=corners,
+            seen_corners=seen,
+        ),
+        Moving(state=state, pose=pose, water=water_of(numbers, motion.law[i], motion.drift[i])),
+        SensorRecords(
+            dvl=records.dvl[i : i + 1],
+            depth=records.depth[i : i + 1],
+            ahrs=records.ahrs[i : i + 1],
+            altimeter=records.altimeter[i : i + 1],
+        ),
+        SensorNoises(
+            dvl=noises.dvl[i],
+            depth=noises.depth[i],
+            ahrs=noises.ahrs[i],
+            altimeter=noises.altimeter[i],
         ),
         instruments.keeper[i : i + 1],
-        (
-            row,
-            outputs.observation[i],
-            Controllers(*tables[3]).measured[i : i + 1],
+        StepOutputs(
+            row=row,
+            observation=outputs.observation[i],
+            measured=controllers.measured[i : i + 1],
         ),
     )
     row[STEP_US] = 0.0
-    controllers = Controllers(*tables[3])
-    forward, reverse = controllers.limits[i, 0], controllers.limits[i, 1]
-    goal = (shared.goal, shared.tool, shared.place, forward, reverse, controllers.thrusters[i])
+    goal = Goal(
+        kind=shared.goal,
+        tool=shared.tool,
+        station=shared.tool_station,
+        forward=controllers.limits[i, 0],
+        reverse=controllers.limits[i, 1],
+        thrusters=controllers.thruster_count[i],
+    )
     outputs.reward[i] = reward_of(row, goal)
 
 
@@ -294,8 +272,8 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
 def _track_truth(pose: Array, shared: Shared, progress: Progress, i: int, corners: Array) -> bool:
     """Write the true corners unless their mean is outside the image; as `trackers.truth`."""
     rotation, position, images = np.empty((3, 3)), np.empty(3), np.empty((6, 2))
-    camera_pose(pose, shared.mount, rotation, position)
-    project(shared.points, rotation, position, shared.intrinsics, images)
+    camera_pose(pose, shared.target_view.mount, rotation, position)
+    project(shared.target_view.points, rotation, position, shared.target_view.intrinsics, images)
     if progress.step[i] == 0:
         for at in range(_CORNERS):
             corners[at] = images[at // 2, at % 2] + progress.start_error[i, at]

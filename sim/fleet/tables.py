@@ -7,14 +7,15 @@ A vehicle with fewer thrusters than another one of the fleet has zeros in their 
 that gives no thrust adds zeros to sums, which change no bit of a result.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from seamark.sim.control.observation import STARTS
 from seamark.sim.control.station_keeper import KEEPER
-from seamark.sim.control.velocity_law import AXIS, HOLD, MEASURED, SETTINGS, Records
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.control.velocity_law import AXIS, HOLD, MEASURED, SETTINGS, Records, Thrusters
+from seamark.sim.engine.perception import SensorNoises, SensorRecords
+from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID
@@ -49,21 +50,15 @@ class Motion(NamedTuple):
     thrust: Array  # (n, k) [N] what the velocity controller wants
     gate: Array  # (blocks, 8) [m]
     water: Array  # (blocks, WATER_NUMBERS, 8)
-    law: Any  # (n,) int64
+    law: Integers  # (n,)
     drift: Array  # (n, 2, grid)
 
 
 class Instruments(NamedTuple):
     """Sensors with the noise of all their readings, and the station keepers."""
 
-    dvl: Records
-    depth: Records
-    ahrs: Records
-    altimeter: Records
-    dvl_noise: Array
-    depth_noise: Array
-    ahrs_noise: Array
-    altimeter_noise: Array
+    records: SensorRecords  # (n,) each
+    noises: SensorNoises  # (n, readings, values)
     keeper: Records  # (n,)
 
 
@@ -74,21 +69,18 @@ class Controllers(NamedTuple):
     settings: Records  # (n,)
     axes: Records  # (n, 3)
     holds: Records  # (n, 4)
-    allocator: Array  # (n, k, 6)
-    directions: Array  # (n, k, 3)
-    efforts: Array  # (n, k, 3)
-    curve: Array  # (n, 16)
+    thrusters: Thrusters  # each with a first index of n
     limits: Array  # (n, 2) [N] most thrust forward, reverse
-    thrusters: Any  # (n,) int64: how many there are
+    thruster_count: Integers  # (n,)
 
 
 class Progress(NamedTuple):
     """How far the vehicles are, and what is on its way with a delay."""
 
-    step: Any  # (n,) int64: control steps since the level began
-    place: Any  # (n, 2) int64: trial and level
+    step: Integers  # (n,) control steps since the level began
+    trial_level: Integers  # (n, 2)
     start_s: Array  # (n,) time at which the level begins
-    late: Any  # (n, 2) int64: control steps by which images and commands are late
+    late: Integers  # (n, 2) control steps by which images and commands are late
     images: Array  # (n, slots, 9) corners and whether the tracker had the target
     commands: Array  # (n, slots, 4 or k)
     start_error: Array  # (n, 8) [px] of the corners with which the tracker starts
@@ -98,12 +90,12 @@ class Outputs(NamedTuple):
     """What a control step gives."""
 
     corners: Array  # (n, 8) [px] by the tracker
-    visible: Any  # (n,) bool: whether it has the target
+    visible: Flags  # (n,) whether it has the target
     rows: Array  # (n, width) of telemetry
     observation: Array  # (n, size)
     reward: Array  # (n,)
-    diverged: Any  # (n,) bool
-    touching: Any  # (n,) bool: to be advanced again by the plant, which knows contacts
+    diverged: Flags  # (n,)
+    touching: Flags  # (n,) to be advanced again by the plant, which knows contacts
     contact_n: Array  # (n,) [N]
     pose: Array  # (n, 6)
 
@@ -117,10 +109,6 @@ class Tables(NamedTuple):
     controllers: Controllers
     progress: Progress
     outputs: Outputs
-
-    def plain(self) -> tuple[tuple[Any, ...], ...]:
-        """Return plain tuples: passing named ones to Numba takes several times as long."""
-        return tuple(tuple(group) for group in self)
 
 
 class Sizes(NamedTuple):
@@ -189,14 +177,18 @@ def _bodies(blocks: int, k: int) -> Bodies:
 def _instruments(n: int, readings: tuple[int, int, int, int]) -> Instruments:
     dvl, depth, ahrs, altimeter = readings
     return Instruments(
-        dvl=np.zeros(n, SENSOR),
-        depth=np.zeros(n, SENSOR),
-        ahrs=np.zeros(n, SENSOR),
-        altimeter=np.zeros(n, SENSOR),
-        dvl_noise=np.zeros((n, dvl, 4)),
-        depth_noise=np.zeros((n, depth, 1)),
-        ahrs_noise=np.zeros((n, ahrs, 6)),
-        altimeter_noise=np.zeros((n, altimeter, 1)),
+        records=SensorRecords(
+            dvl=np.zeros(n, SENSOR),
+            depth=np.zeros(n, SENSOR),
+            ahrs=np.zeros(n, SENSOR),
+            altimeter=np.zeros(n, SENSOR),
+        ),
+        noises=SensorNoises(
+            dvl=np.zeros((n, dvl, 4)),
+            depth=np.zeros((n, depth, 1)),
+            ahrs=np.zeros((n, ahrs, 6)),
+            altimeter=np.zeros((n, altimeter, 1)),
+        ),
         keeper=np.zeros(n, KEEPER),
     )
 
@@ -207,12 +199,14 @@ def _controllers(n: int, k: int) -> Controllers:
         settings=np.zeros(n, SETTINGS),
         axes=np.zeros((n, 3), AXIS),
         holds=np.zeros((n, 4), HOLD),
-        allocator=np.zeros((n, k, 6)),
-        directions=np.zeros((n, k, 3)),
-        efforts=np.zeros((n, k, 3)),
-        curve=np.zeros((n, 16)),
+        thrusters=Thrusters(
+            allocator=np.zeros((n, k, 6)),
+            directions=np.zeros((n, k, 3)),
+            efforts=np.zeros((n, k, 3)),
+            curve=np.zeros((n, 16)),
+        ),
         limits=np.zeros((n, 2)),
-        thrusters=np.zeros(n, np.int64),
+        thruster_count=np.zeros(n, np.int64),
     )
 
 
@@ -220,7 +214,7 @@ def _progress(sizes: Sizes) -> Progress:
     n = sizes.vehicles
     return Progress(
         step=np.zeros(n, np.int64),
-        place=np.zeros((n, 2), np.int64),
+        trial_level=np.zeros((n, 2), np.int64),
         start_s=np.zeros(n),
         late=np.zeros((n, 2), np.int64),
         images=np.zeros((n, sizes.image_slots, 9)),

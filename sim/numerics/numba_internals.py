@@ -10,6 +10,8 @@ Cache of compiled code (`compiled_cache.py`)
     they go on using stale code. With another version of Numba its own locators are used, in a
     folder named after all sources of the simulator: every change compiles everything, but stale
     code is never used.
+Calls without a search for types (`compilation.py`)
+    `Dispatcher.compile` returns what can be called: the code for the given types.
 Vectors of sixteen and of eight numbers (`simd.py`, `lanes.py`)
     Operators on types of our own, and parts of the code generator. Without vectors, sums would be
     added in another order and results would differ, so there is no fall-back: importing them
@@ -40,6 +42,7 @@ CACHE_INTERNALS = (
     "numba.core.config:reload_config",
     "numba.core.caching:CacheImpl",  # calls the locators
 )
+CALL_INTERNALS = ("numba.core.dispatcher:Dispatcher.compile",)  # returns the code's entry point
 SIMD_INTERNALS = (
     "numba.core.cgutils:unpack_tuple",  # shape of an array
     "numba.core.cgutils:get_or_insert_function",  # declares an LLVM intrinsic

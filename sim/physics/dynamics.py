@@ -9,7 +9,7 @@ contact engine cannot integrate this motion: an explicit added-mass force diverg
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -27,7 +27,6 @@ from seamark.sim.physics.hydrodynamics import (
 from seamark.sim.physics.thrusters import steady_thrust
 from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 
-Buffers = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 
@@ -43,6 +42,44 @@ class Body(NamedTuple):
     net_weight: float
     moment: Array
     lag_rate: float
+
+
+class Buffers(NamedTuple):
+    """Memory of one thread for an integration step."""
+
+    k1: Array  # (13 + n,) the rates of RK4's four stages
+    k2: Array
+    k3: Array
+    k4: Array
+    y: Array  # (13 + n,) the state of a stage
+    rotation: Array  # (3, 3)
+    relative: Array  # (6,) velocity relative to the water
+    momentum: Array  # (6,)
+    wrench: Array  # (6,)
+
+
+class Span(NamedTuple):
+    """The physics steps of one call."""
+
+    first: int  # since the level began
+    steps: int
+    step_s: float
+    gate: float  # [m] no step begins deeper
+
+
+class Thrusters(NamedTuple):
+    """The thrusters of one plant."""
+
+    curve: Array  # (16,), see `thrusters.pack_curve`
+    gains: Array  # (n,) real thrust over the nominal one
+    target: Array  # (n,) [N] steady thrust of the command, written
+
+
+class Fault(NamedTuple):
+    """The thruster that does not do what it is told."""
+
+    thruster: int  # -1 for none
+    thrust: float  # [N]
 
 
 def body_parameters(vehicle: Vehicle) -> Body:
@@ -119,7 +156,7 @@ def _derivative(
     water: tuple[float, float, float, float, float, float],
     body: Body,
     depth: tuple[float, float],
-    buffers: tuple[Array, Array, Array, Array],
+    work: Buffers,
     out: Array,
 ) -> None:
     """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns.
@@ -127,7 +164,7 @@ def _derivative(
     `depth` is what `profile` returns. There is no branch for water without shear, since it would
     double the time of a step; a share of 1 and a slope of 0 change no bit.
     """
-    rotation, relative, momentum, wrench = buffers
+    rotation, relative, momentum, wrench = work.rotation, work.relative, work.momentum, work.wrench
     stream_x, stream_y, rise_x, rise_y, surge, sway = water
     write_rotation(x[3], x[4], x[5], x[6], rotation)
     _write_thrust(body.allocation, x, wrench)
@@ -165,56 +202,58 @@ def _derivative(
 def write_acceleration(
     t: float,
     state: Array,
-    plain_body: tuple[Any, ...],
-    plain_water: tuple[Any, ...],
+    body: Body,
+    water: Water,
+    work: Buffers,
     out: Array,
 ) -> None:
     """Write the acceleration over ground at time t [s] to `out`, (6,) body frame [m/s², rad/s²].
 
-    It is that of the thrusts in `state`; `plain_body` and `plain_water` as for `integrate`.
+    It is that of the thrusts in `state`.
     """
-    body, water = Body(*plain_body), Water(*plain_water)
-    rate = np.empty(state.size)
     target = state[RIGID:]  # the thrusts do not change
     depth = profile(state[2], water.shear, water.bottom, water.height)
-    buffers = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
     moving = flow(t, water, segment_at(t, water.drift))
-    _derivative(state, target, moving, body, depth, buffers, rate)
+    _derivative(state, target, moving, body, depth, work, work.k1)
     for i in range(6):
-        out[i] = rate[7 + i]
+        out[i] = work.k1[7 + i]
 
 
 def integration_buffers(size: int) -> Buffers:
     """Return what `advance_held` needs for a state of this size; two threads need two."""
-    rates = (np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
-    return (*rates, np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    return Buffers(
+        k1=np.empty(size),
+        k2=np.empty(size),
+        k3=np.empty(size),
+        k4=np.empty(size),
+        y=np.empty(size),
+        rotation=np.empty((3, 3)),
+        relative=np.empty(6),
+        momentum=np.empty(6),
+        wrench=np.empty(6),
+    )
 
 
 @njit(cache=True, error_model="numpy")
 def integrate(
     state: Array,
     target: Array,
-    steps_and_gate: tuple[int, int, float, float],
-    plain_body: tuple[Any, ...],
-    plain_water: tuple[Any, ...],
+    span: Span,
+    body: Body,
+    water: Water,
     work: Buffers,
 ) -> int:
-    """Advance `state` in place by up to `steps` RK4 steps and return the number of steps made.
+    """Advance `state` in place by up to `span.steps` RK4 steps; return the number of steps made.
 
-    It stops before a step that would begin deeper than `gate` [m]. `steps_and_gate` are the first
-    step, steps, step_s [s] and gate; `plain_body` and `plain_water` are `Body` and `Water` as plain
-    tuples.
+    It stops before a step that would begin deeper than the gate.
     """
-    step, steps, step_s, gate = steps_and_gate
-    body = Body(*plain_body)
-    water = Water(*plain_water)
-    for done in range(steps):
-        if state[2] > gate:
+    for done in range(span.steps):
+        if state[2] > span.gate:
             return done
-        t = (step + done) * step_s
-        segment = segment_at(t + 0.5 * step_s, water.drift)
-        runge_kutta_step(state, target, (t, step_s), body, (water, segment), work)
-    return steps
+        t = (span.first + done) * span.step_s
+        segment = segment_at(t + 0.5 * span.step_s, water.drift)
+        runge_kutta_step(state, target, (t, span.step_s), body, (water, segment), work)
+    return span.steps
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -229,24 +268,23 @@ def runge_kutta_step(
     """Advance `state`, of one vehicle or of lanes of them, in place by one step from time t [s]."""
     (t, step_s), (water, segment) = t_and_step, water_and_segment
     shear = (water.shear, water.bottom, water.height)
-    k1, k2, k3, k4, y, rotation, relative, momentum, wrench = work
-    buffers = (rotation, relative, momentum, wrench)
+    k1, k2, k3, k4, y = work.k1, work.k2, work.k3, work.k4, work.y
     size = state.size
     halfway = flow(t + 0.5 * step_s, water, segment)
     depth = profile(state[2], *shear)
-    _derivative(state, target, flow(t, water, segment), body, depth, buffers, k1)
+    _derivative(state, target, flow(t, water, segment), body, depth, work, k1)
     for i in range(size):
         y[i] = state[i] + 0.5 * step_s * k1[i]
     depth = profile(y[2], *shear)
-    _derivative(y, target, halfway, body, depth, buffers, k2)
+    _derivative(y, target, halfway, body, depth, work, k2)
     for i in range(size):
         y[i] = state[i] + 0.5 * step_s * k2[i]
     depth = profile(y[2], *shear)
-    _derivative(y, target, halfway, body, depth, buffers, k3)
+    _derivative(y, target, halfway, body, depth, work, k3)
     for i in range(size):
         y[i] = state[i] + step_s * k3[i]
     depth = profile(y[2], *shear)
-    _derivative(y, target, flow(t + step_s, water, segment), body, depth, buffers, k4)
+    _derivative(y, target, flow(t + step_s, water, segment), body, depth, work, k4)
     for i in range(size):
         state[i] = state[i] + step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
     _normalise(state)
@@ -256,29 +294,22 @@ def runge_kutta_step(
 def advance_held(
     state: Array,
     command: Array,
-    curve: Array,
-    thrust: tuple[Array, Array, Buffers],
-    fault: tuple[int, float],
-    steps_and_gate: tuple[int, int, float, float],
-    plain_body: tuple[Any, ...],
-    plain_water: tuple[Any, ...],
+    span: Span,
+    thrusters: Thrusters,
+    fault: Fault,
+    body: Body,
+    water: Water,
+    work: Buffers,
 ) -> int:
-    """Advance `state` with constant commands.
-
-    `thrust` is the gain of each thruster, (n,), the steady thrusts (n,) [N] to write, and
-    `integration_buffers`; `fault` is the number of a faulty thruster, -1 for none, and its thrust
-    [N]; `steps_and_gate` are those of `integrate`. Returns the number of steps made, -1 if a
-    command is not a number.
-    """
-    gains, target, work = thrust
-    if not steady_thrust(command, curve, target):
+    """Advance `state` with constant commands (n,), as `integrate`; -1 if one is not a number."""
+    target = thrusters.target
+    if not steady_thrust(command, thrusters.curve, target):
         return -1
-    thruster, faulty = fault
-    if thruster >= 0:
-        target[thruster] = faulty
+    if fault.thruster >= 0:
+        target[fault.thruster] = fault.thrust
     for i in range(target.size):
-        target[i] *= gains[i]
-    return integrate(state, target, steps_and_gate, plain_body, plain_water, work)
+        target[i] *= thrusters.gains[i]
+    return integrate(state, target, span, body, water, work)
 
 
 @njit(cache=True, error_model="numpy")
@@ -297,9 +328,8 @@ def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Array) -> None:
+def write_current(t: float, water: Water, state: Array, out: Array) -> None:
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
-    water = Water(*plain_water)
     stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water.drift))
     share, _slope = profile(state[2], water.shear, water.bottom, water.height)
     out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0

@@ -4,16 +4,19 @@ The equations of motion are in `dynamics.py`.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import Contact, add_impulse_at, lowest_point, world_motion
-from seamark.sim.physics.current import Current
+from seamark.sim.physics.current import Current, Water
 from seamark.sim.physics.dynamics import (
     RIGID,
+    Fault,
+    Span,
+    Thrusters,
     add_impulse,
     advance_held,
     body_parameters,
@@ -58,22 +61,22 @@ class Plant:
         self.step_s = step_s
         self.contact = contact
         self.fault = fault
-        self._body = body_parameters(vehicle)
-        # Plain tuples: passing named ones to Numba takes several times as long.
-        self._plain_body, self._plain_water = tuple(self._body), tuple(current.water)
-        self._curve = pack_curve(vehicle.curve)
+        self.body = body_parameters(vehicle)
+        self.curve = pack_curve(vehicle.curve)  # (16,)
         self.thruster_gains = np.ones(len(vehicle.thrusters))
         if thruster_gains is not None:
             self.thruster_gains[:] = thruster_gains
-        self._target = np.zeros(len(vehicle.thrusters))  # [N] steady thrust of the command
-        self._fault_thrust = (-1, 0.0)
-        # An own copy: Numba would compile everything again for a read-only or strided array.
-        self._command = np.zeros(len(vehicle.thrusters))
+        self._fault_thrust = Fault(-1, 0.0)
+        self._command = np.zeros(len(vehicle.thrusters))  # a copy, of the type that is compiled for
         self._step = 0
         self._contact_force = 0.0
         self.state = np.zeros(RIGID + len(vehicle.thrusters))
-        buffers = integration_buffers(len(self.state))
-        self._thrust = (self.thruster_gains, self._target, buffers)
+        self._target = np.zeros(len(vehicle.thrusters))  # [N] steady thrust of the command
+        self._thrusters = Thrusters(self.curve, self.thruster_gains, self._target)
+        self._work = integration_buffers(len(self.state))
+        self._advance_held = SameTypes(advance_held)
+        self._write_acceleration = SameTypes(write_acceleration)
+        self._write_current = SameTypes(write_current)
         self.state[3] = 1.0
 
     def reset(self, pose: Array) -> None:
@@ -106,8 +109,8 @@ class Plant:
             )
         self._command[:] = command
         if self.fault is not None:
-            commanded = float(thrust_from_command(self._command[self.fault.thruster], self._curve))
-            self._fault_thrust = (self.fault.thruster, self.fault.apply(step, commanded))
+            commanded = float(thrust_from_command(self._command[self.fault.thruster], self.curve))
+            self._fault_thrust = Fault(self.fault.thruster, self.fault.apply(step, commanded))
         if (step + steps) * self.step_s > self.current.duration_s + self.step_s:
             raise ValueError(f"the gust was drawn for only {self.current.duration_s} s")
         self._step = step + steps
@@ -125,11 +128,15 @@ class Plant:
             gate = math.inf
             if self.contact is not None:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
-        done: int = advance_held(
+        done = self._advance_held.call(
             self.state,
-            *(self._command, self._curve, self._thrust, self._fault_thrust),
-            (step, steps, self.step_s, gate),
-            *(self._plain_body, self._plain_water),
+            self._command,
+            Span(step, steps, self.step_s, gate),
+            self._thrusters,
+            self._fault_thrust,
+            self.body,
+            self.water,
+            self._work,
         )
         if done < 0:
             raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
@@ -141,7 +148,7 @@ class Plant:
         before = self.state.copy()
         self._advance_freely(step, 1, gate=math.inf)
         impulse = self.contact.impulse(before, self.state, self.step_s)
-        add_impulse(self.state, self._body.inverse_mass, impulse)
+        add_impulse(self.state, self.body.inverse_mass, impulse)
 
     def pose(self) -> Array:
         """Return (x, y, z, roll, pitch, yaw), (6,) [m, rad]."""
@@ -155,19 +162,9 @@ class Plant:
         return finite
 
     @property
-    def body(self) -> tuple[Any, ...]:
-        """Return the vehicle's parameters, a `dynamics.Body` as a plain tuple."""
-        return self._plain_body
-
-    @property
-    def curve(self) -> Array:
-        """Return the packed curve of the thrusters, (16,)."""
-        return self._curve
-
-    @property
-    def water(self) -> tuple[Any, ...]:
-        """Return the current as a plain tuple, for compiled code."""
-        return self._plain_water
+    def water(self) -> Water:
+        """Return the current, for compiled code."""
+        return self.current.water
 
     def velocity(self) -> Array:
         """Return the velocity over ground in the body frame, (6,) [m/s, rad/s]."""
@@ -181,12 +178,12 @@ class Plant:
         """Return the acceleration over ground in the body frame, (6,) [m/s², rad/s²]."""
         out = np.empty(6)
         time_s = self._step * self.step_s
-        write_acceleration(time_s, self.state, self._plain_body, self._plain_water, out)
+        self._write_acceleration.call(time_s, self.state, self.body, self.water, self._work, out)
         return out
 
     def inverse_mass(self) -> Array:
         """Return the inverse of the mass matrix with added mass, (6, 6)."""
-        return self._body.inverse_mass
+        return self.body.inverse_mass
 
     def contact_force(self) -> float:
         """Return the contact force [N] on the hull: mean magnitude over the last `advance`."""
@@ -199,7 +196,7 @@ class Plant:
         starboard its level, forward its lateral component.
         """
         out = np.empty(3)
-        write_current(self._step * self.step_s, self._plain_water, self.state, out)
+        self._write_current.call(self._step * self.step_s, self.water, self.state, out)
         return out
 
 
@@ -212,10 +209,10 @@ def warm_up() -> None:
     plant.advance(0, forces, 1)
     plant.pose()
     plant.current_world()
-    add_impulse(state, plant._body.inverse_mass, np.zeros(6))
-    commands_for(forces, plant._curve, forces.copy())
-    command_from_thrust(1.0, plant._curve)
-    thrust_from_command(0.5, plant._curve)
+    add_impulse(state, plant.body.inverse_mass, np.zeros(6))
+    commands_for(forces, plant.curve, forces.copy())
+    command_from_thrust(1.0, plant.curve)
+    thrust_from_command(0.5, plant.curve)
     lowest_point(state, np.zeros((1, 3)), np.zeros((1, 3)))
     world_motion(state, state, point, np.zeros(9))
     add_impulse_at(state, point, point, np.zeros(6))

@@ -126,7 +126,7 @@ def test_the_picture_is_what_the_camera_sees_in_colour() -> None:
 
 def test_the_reward_falls_with_the_distance_and_is_zero_while_the_target_is_lost() -> None:
     row, anywhere = np.zeros(WIDTH), np.zeros(3)
-    goal: Any = tuple(Goal(DISTANCE, anywhere, anywhere, 1.0, 1.0, 5))
+    goal = Goal(DISTANCE, anywhere, anywhere, 1.0, 1.0, 5)
     row[INDEX["tracker_ok"]], row[INDEX["distance"]] = 1.0, SCORE_LENGTH_M
 
     assert reward_of(row, goal) == 0.5
@@ -137,7 +137,7 @@ def test_the_reward_falls_with_the_distance_and_is_zero_while_the_target_is_lost
 def test_the_tools_reward_is_the_share_of_the_circles_it_is_in_less_the_power() -> None:
     row = np.zeros(WIDTH)
     row[INDEX["tracker_ok"]], row[INDEX["thrust_0"]] = 1.0, 4.0
-    goal: Any = tuple(Goal(TOOL, np.array([1.0, 0.0, 0.0]), np.array([1.1, 0.0, 0.0]), 4.0, 4.0, 5))
+    goal = Goal(TOOL, np.array([1.0, 0.0, 0.0]), np.array([1.1, 0.0, 0.0]), 4.0, 4.0, 5)
 
     reward = reward_of(row, goal)
 

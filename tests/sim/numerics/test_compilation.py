@@ -1,9 +1,34 @@
-"""Only what has to be compiled is announced, not what the cache has."""
+"""What has to be compiled is announced; what always gets the same types is called at once."""
 
+from typing import NamedTuple
+
+import numpy as np
 from numba import njit
 
 from seamark.sim.numerics import libm
-from seamark.sim.numerics.compilation import announced
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.compilation import SameTypes, announced
+
+
+class Line(NamedTuple):
+    points: Array  # (n,)
+    slope: float
+
+
+@njit
+def last(line: Line, at: int) -> float:
+    value: float = line.points[at] * line.slope
+    return value
+
+
+def test_a_function_of_named_tuples_gives_the_same_when_it_is_called_at_once() -> None:
+    called = SameTypes(last)
+    line = Line(np.array([1.0, 2.0]), 0.5)
+
+    first, second = called.call(line, 1), called.call(Line(np.array([4.0]), 3.0), 0)
+
+    assert (first, second) == (last(line, 1), 12.0)
+    assert len(last.signatures) == 1
 
 
 def test_what_numba_compiles_is_announced_and_what_it_loads_is_not() -> None:

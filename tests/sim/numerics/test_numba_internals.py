@@ -12,6 +12,7 @@ from numba.core.caching import _CacheLocator
 from seamark.sim.numerics.compiled_cache import SourceStampLocator
 from seamark.sim.numerics.numba_internals import (
     CACHE_INTERNALS,
+    CALL_INTERNALS,
     LOCATORS,
     SIMD_INTERNALS,
     TESTED_NUMBA,
@@ -22,7 +23,7 @@ from seamark.sim.numerics.numba_internals import (
 PYPROJECT = Path(__file__).parents[3] / "pyproject.toml"
 
 
-@pytest.mark.parametrize("internal", CACHE_INTERNALS + SIMD_INTERNALS)
+@pytest.mark.parametrize("internal", CACHE_INTERNALS + CALL_INTERNALS + SIMD_INTERNALS)
 def test_the_installed_numba_has_every_internal_that_the_simulator_uses(internal: str) -> None:
     assert not missing([internal]), f"Numba {numba.__version__} no longer has {internal}"
 

@@ -12,7 +12,7 @@ from performance.simulator.validation.reference import Leg, Water, reference
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern, Shear
-from seamark.sim.physics.dynamics import integrate, integration_buffers
+from seamark.sim.physics.dynamics import Span, integrate, integration_buffers
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import load
 
@@ -168,9 +168,8 @@ def test_the_machine_code_has_no_fused_operations() -> None:
     plant.reset(START)
     kernel = type(integrate)(integrate.py_func, targetoptions={"error_model": "numpy"})
 
-    steps_and_gate, buffers = (0, 1, 0.01, np.inf), integration_buffers(len(plant.state))
-    tables = (plant._plain_body, plant._plain_water)
-    kernel(plant.state, plant._target, steps_and_gate, *tables, buffers)
+    span, work = Span(0, 1, 0.01, np.inf), integration_buffers(len(plant.state))
+    kernel(plant.state, plant._target, span, plant.body, plant.water, work)
     (assembly,) = kernel.inspect_asm().values()
 
     assert "fmadd" not in assembly
