@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from seamark.sim.benchmarks.benchmark import Benchmark
 
-BENCHMARKS = {  # the first is the site's default
+BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
+DEFAULT_BENCHMARK = next(iter(BENCHMARKS))  # of the site, commands and logs, where none is named
 VEHICLES = {
     "girona500": "seamark.sim.vehicles.girona500:VEHICLE",
     "girona500-uwsim": "seamark.sim.vehicles.girona500_uwsim:VEHICLE",

@@ -31,7 +31,7 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
         return _choose_unchecked(controller)
     from seamark.sim import registry
 
-    known = benchmark if benchmark in registry.BENCHMARKS else next(iter(registry.BENCHMARKS))
+    known = benchmark if benchmark in registry.BENCHMARKS else registry.DEFAULT_BENCHMARK
     entry = registry.benchmark(known)
     built_in = list(entry.built_in)
     if controller is None or controller in {*built_in, *entry.reference_built_in}:
@@ -105,13 +105,13 @@ def isolation_level() -> IsolationLevel:
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
-    found = probe()
-    if found.level is IsolationLevel.NONE:
+    isolation = probe()
+    if isolation.level is IsolationLevel.NONE:
         raise PlatformFailed(
-            f"Programs cannot run on this machine: {found.sentence()}. `seamark doctor` says how "
-            "to fix it."
+            f"Programs cannot run on this machine: {isolation.sentence()}. `seamark doctor` says "
+            "how to fix it."
         )
-    return found.level
+    return isolation.level
 
 
 @contextmanager

@@ -41,7 +41,7 @@ class AsyncClient:
     Examples
     --------
     >>> async with AsyncClient() as client:  # doctest: +SKIP
-    ...     run = await client.submit("currents-v1", controller="pi")
+    ...     run = await client.submit("currents-v2", controller="pi")
     ...     await run.wait()
     """
 
@@ -124,10 +124,10 @@ class AsyncClient:
         """Yield runs, newest first, `limit` at most: one's own unless `which` says otherwise."""
         after: int | None = None
         while limit is None or limit > 0:
-            found, after = await self._session.do(self._calls.runs_page(query, after, limit))
-            for document in found:
+            page, after = await self._session.do(self._calls.runs_page(query, after, limit))
+            for document in page:
                 yield AsyncRun(self._session, document)
-            limit = None if limit is None else limit - len(found)
+            limit = None if limit is None else limit - len(page)
             if after is None:
                 return
 

@@ -41,7 +41,7 @@ class Client:
     Examples
     --------
     >>> with Client("http://127.0.0.1:8000", token="smk_...") as client:  # doctest: +SKIP
-    ...     run = client.submit("currents-v1", program="controller.py").wait()
+    ...     run = client.submit("currents-v2", program="controller.py").wait()
     ...     print(run.score)
     """
 
@@ -120,9 +120,9 @@ class Client:
         """Yield runs, newest first, `limit` at most: one's own unless `which` says otherwise."""
         after: int | None = None
         while limit is None or limit > 0:
-            found, after = self._session.do(self._calls.runs_page(query, after, limit))
-            yield from (Run(self._session, document) for document in found)
-            limit = None if limit is None else limit - len(found)
+            page, after = self._session.do(self._calls.runs_page(query, after, limit))
+            yield from (Run(self._session, document) for document in page)
+            limit = None if limit is None else limit - len(page)
             if after is None:
                 return
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.scope import BENCHMARK, check_benchmark
+from seamark.mission_logs.result import LogRefused
+from seamark.mission_logs.scope import check_benchmark
+from seamark.sim.registry import DEFAULT_BENCHMARK
 
 CPU_S = 120  # the largest CSV with all columns takes half of it
 DATA_MIB = 2048  # the largest log takes half of it
@@ -38,20 +39,20 @@ def main() -> None:
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
     try:
         mapping = _mapping(request["mapping"])
-        benchmark = request["benchmark"] or mapping.benchmark or BENCHMARK
+        benchmark = request["benchmark"] or mapping.benchmark or DEFAULT_BENCHMARK
         check_benchmark(benchmark)
-        found = measure(Path(request["path"]), mapping, benchmark=benchmark)
+        result = measure(Path(request["path"]), mapping, benchmark=benchmark)
     except LogRefused as reason:
         return {"refused": str(reason)}
-    np.ascontiguousarray(found.rows, dtype="<f8").tofile(request["rows"])
+    np.ascontiguousarray(result.rows, dtype="<f8").tofile(request["rows"])
     return {
-        "benchmark": found.benchmark,
-        "config": found.config,
-        "trials": found.trials,
-        "metrics": found.metrics,
-        "manifest": found.manifest,
-        "digest": found.digest,
-        "width": found.rows.shape[1],
+        "benchmark": result.benchmark,
+        "config": result.config,
+        "trials": result.trials,
+        "metrics": result.metrics,
+        "manifest": result.manifest,
+        "digest": result.digest,
+        "width": result.rows.shape[1],
     }
 
 

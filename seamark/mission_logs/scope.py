@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import PurePath
 
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.sim import registry
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 
-BENCHMARK = "currents-v1"  # unless another is named
 CSV_SUFFIXES = (".csv", ".gz")
 ROS_SUFFIXES = (".mcap", ".bag", ".db3")  # and the folder of a ROS 2 bag
 SUFFIXES = (*CSV_SUFFIXES, *ROS_SUFFIXES)

@@ -8,7 +8,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 
 def first() -> Benchmark:
     """Return the default benchmark."""
-    return registry.benchmark(next(iter(registry.BENCHMARKS)))
+    return registry.benchmark(registry.DEFAULT_BENCHMARK)
 
 
 def by_name(name: str) -> Benchmark:

@@ -95,7 +95,7 @@ class RankedProtocol:
     """The trials of a ranked run: first the reference trials, then the fresh ones.
 
     Reference trials use the public seed `reference_seed`,
-    so every entry meets the same water and a practice run can repeat them. Fresh trials decide the
+    so every entry has the same trials and a practice run can repeat them. Fresh trials decide the
     score; their seeds follow from the server's secret and the submission, so nobody can know them.
     """
 
@@ -132,6 +132,8 @@ class Benchmark:
     headline: Metric
     score_bar_max: float  # right end of the score bars of the leaderboard
     level_held_unit: str  # of the highest level held
+    # of its environments: seamark/<family>-v1 for <name>-v1; empty: the name in capitals
+    gym_family: str = ""
     question: str = ""  # that its leaderboard answers, where the summary does not say it
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
@@ -168,6 +170,12 @@ class Benchmark:
     def ranked_trials(self) -> int:
         """Number of trials of a ranked run."""
         return self.shared_trials if self.protocol is None else self.protocol.trials
+
+    @property
+    def gym_id(self) -> str:
+        """Return the name of its environments in Gymnasium's registry."""
+        name, _, version = self.name.rpartition("-")
+        return f"seamark/{self.gym_family or name.title().replace('-', '')}-{version}"
 
     def load(self) -> "Experiment":
         """Return the experiment; loads the simulator with Numba and OpenCV."""

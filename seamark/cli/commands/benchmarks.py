@@ -19,16 +19,16 @@ def benchmarks(name: str | None, as_json: bool) -> None:
     \b
     Examples:
       seamark benchmarks
-      seamark benchmarks currents-v1
-      seamark benchmarks currents-v1 --json
+      seamark benchmarks currents-v2
+      seamark benchmarks currents-v2 --json
     """
     from seamark.cli.configuration import benchmark_of
 
     if name is None:
         _list_all(as_json=as_json)
         return
-    found = benchmark_of(name)
-    schema = found.schema()
+    entry = benchmark_of(name)
+    schema = entry.schema()
     if as_json:
         print_json(schema)
         return
@@ -36,17 +36,17 @@ def benchmarks(name: str | None, as_json: bool) -> None:
     for key, field in schema["properties"].items():
         click.echo(f"  --set {key}={_text(field['default'])}")
         click.echo(f"      {field['title']}: {field['description']}{_range(field)}")
-    click.echo(f"\nBuilt-in {found.role}s: " + ", ".join(found.built_in))
+    click.echo(f"\nBuilt-in {entry.role}s: " + ", ".join(entry.built_in))
 
 
 def _list_all(*, as_json: bool) -> None:
     from seamark.sim import registry
 
-    found = [registry.benchmark(name) for name in registry.BENCHMARKS]
+    entries = [registry.benchmark(name) for name in registry.BENCHMARKS]
     if as_json:
-        print_json([{"name": b.name, "title": b.title, "summary": b.summary} for b in found])
+        print_json([{"name": b.name, "title": b.title, "summary": b.summary} for b in entries])
         return
-    for benchmark in found:
+    for benchmark in entries:
         click.echo(f"{benchmark.name}\n    {benchmark.title}\n    {benchmark.summary}")
 
 

@@ -10,6 +10,7 @@ import click
 
 from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import configuration_options, json_option
+from seamark.sim.registry import DEFAULT_BENCHMARK
 
 if TYPE_CHECKING:
     from seamark.programs.preparation import PreparedProgram
@@ -19,7 +20,7 @@ SHOWN_OUTPUT = 2000  # [characters]
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
-@click.option("--benchmark", default="currents-v1", show_default=True)
+@click.option("--benchmark", default=DEFAULT_BENCHMARK, show_default=True)
 @configuration_options
 @json_option
 def check(
@@ -48,16 +49,16 @@ def check(
     prepared = prepare(file, benchmark=benchmark)
     values = run_configuration_of(benchmark, config, pairs, prepared)
     if prepared.diagnostics:
-        found = check_report.from_diagnostics(prepared.diagnostics)
+        checked = check_report.from_diagnostics(prepared.diagnostics)
     else:
-        found = _run(benchmark, values, prepared)
+        checked = _run(benchmark, values, prepared)
     if as_json:
-        print_json({"program_name": prepared.name, "language": prepared.language, **found})
+        print_json({"program_name": prepared.name, "language": prepared.language, **checked})
     else:
-        _report(file, found)
-    if install := absent_in_box(" ".join(problem["sentence"] for problem in found["problems"])):
+        _report(file, checked)
+    if install := absent_in_box(" ".join(problem["sentence"] for problem in checked["problems"])):
         click.echo(install, err=True)
-    exit_with(0 if found["ok"] else 1)
+    exit_with(0 if checked["ok"] else 1)
 
 
 def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> dict[str, Any]:
@@ -69,17 +70,17 @@ def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> d
         return check_locally(benchmark, values, prepared, isolation=isolation_level())
 
 
-def _report(file: Path, found: dict[str, Any]) -> None:
+def _report(file: Path, checked: dict[str, Any]) -> None:
     from seamark.programs.diagnostics import Diagnostic
 
-    for problem in found["problems"]:
+    for problem in checked["problems"]:
         click.echo(Diagnostic(**problem).text())
-    if found["traceback"] and not any(p["stage"] == "compile" for p in found["problems"]):
-        click.echo(found["traceback"].rstrip())
-    if found["output"]:
-        click.echo(f"Output:\n{found['output'][-SHOWN_OUTPUT:].rstrip()}")
-    if found["ok"]:
-        count = found["step_us"]["count"] if found["step_us"] else 0
-        used = found["usage"] or {"cpu_s": 0.0, "memory_mib": 0.0}
+    if checked["traceback"] and not any(p["stage"] == "compile" for p in checked["problems"]):
+        click.echo(checked["traceback"].rstrip())
+    if checked["output"]:
+        click.echo(f"Output:\n{checked['output'][-SHOWN_OUTPUT:].rstrip()}")
+    if checked["ok"]:
+        count = checked["step_us"]["count"] if checked["step_us"] else 0
+        used = checked["usage"] or {"cpu_s": 0.0, "memory_mib": 0.0}
         cost = f"{used['cpu_s']:.2f} s of CPU time, {used['memory_mib']:.0f} MiB"
         click.echo(f"{file.name} runs: {count} steps, {cost}.")

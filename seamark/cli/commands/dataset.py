@@ -10,8 +10,8 @@ import click
 
 from seamark.cli.configuration import configuration_of
 from seamark.cli.console import print_json
-from seamark.cli.drafts import draft_of
 from seamark.cli.options import benchmark_argument, configuration_options, json_option
+from seamark.cli.output_folder import draft_of
 from seamark.failures import UsageRefused
 from seamark.progress import Progress
 
@@ -76,8 +76,8 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
     \b
     Examples:
-      seamark dataset currents-v1 --set levels=0.2 --seed 7 --out currents.zip
-      seamark dataset visibility-v1 --every 4 --colour --out murky.zip
+      seamark dataset currents-v2 --set levels=0.2 --seed 7 --out currents.zip
+      seamark dataset visibility-v2 --every 4 --colour --out murky.zip
       seamark dataset visibility-v2 --every 20 --format coco --out coco.zip
     """
     from seamark.cli.simulator_loading import loading_shown

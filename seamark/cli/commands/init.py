@@ -11,6 +11,7 @@ from seamark.cli.options import json_option
 from seamark.drafts import replace_file
 from seamark.failures import UsageRefused
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
+from seamark.sim.registry import DEFAULT_BENCHMARK
 
 
 @click.command()
@@ -19,9 +20,9 @@ from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
 )
 @click.option(
     "--benchmark",
-    default="currents-v1",
+    default=DEFAULT_BENCHMARK,
     show_default=True,
-    help="The benchmark it is for; visibility-v1 compares trackers.",
+    help="The benchmark it is for; visibility-v2 compares trackers.",
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
 @json_option
@@ -36,7 +37,7 @@ def init(*, language: str, benchmark: str, folder: Path, as_json: bool) -> None:
     Examples:
       seamark init
       seamark init --language c++ my_controller
-      seamark init --benchmark visibility-v1 my_tracker
+      seamark init --benchmark visibility-v2 my_tracker
     """
     from seamark.cli.configuration import benchmark_of
 

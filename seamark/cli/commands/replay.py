@@ -13,6 +13,7 @@ import click
 from seamark.cli.console import print_json
 from seamark.cli.options import json_option
 from seamark.failures import PlatformFailed, UsageRefused
+from seamark.sim.registry import DEFAULT_BENCHMARK
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
@@ -33,7 +34,7 @@ MISSING_SHOWN = 6  # metrics that the log does not allow, named on the terminal
 @click.option(
     "--benchmark",
     metavar="NAME",
-    help="Whose metrics.  [default: that of the mapping, or currents-v1]",
+    help=f"Whose metrics.  [default: that of the mapping, or {DEFAULT_BENCHMARK}]",
 )
 @click.option(
     "--set",
@@ -67,31 +68,30 @@ def replay(
       seamark replay mission.bag --mapping mission.toml --benchmark currents-v2 --json
     """
     from seamark.cli.output_folder import OutputFolder
-    from seamark.mission_logs.refusal import LogRefused
+    from seamark.mission_logs.result import LogRefused
 
     output = OutputFolder(out)
     try:
-        found = _measure(log, _mapping(mapping, benchmark or "", pairs), benchmark)
+        result = _measure(log, _mapping(mapping, benchmark or "", pairs), benchmark)
     except LogRefused as reason:
         raise UsageRefused(f"{log}: {reason}") from None
-    _save(output, found)
+    _save(output, result)
     if as_json:
-        print_json(_document(found, out))
+        print_json(_document(result, out))
     else:
-        _print(found, out)
+        _print(result, out)
 
 
 def _mapping(file: Path | None, benchmark: str, pairs: tuple[str, ...]) -> LogMapping:
     from seamark.cli.configuration import benchmark_of, read_settings, typed
     from seamark.mission_logs.mapping import LogMapping
-    from seamark.mission_logs.scope import BENCHMARK
 
     try:
         text = "" if file is None else file.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         raise UsageRefused(f"{file} cannot be read: {error}.") from None
     mapping = LogMapping.parse(text)
-    name = benchmark or mapping.benchmark or BENCHMARK
+    name = benchmark or mapping.benchmark or DEFAULT_BENCHMARK
     changes = typed(read_settings(None, pairs), benchmark_of(name).schema())
     settings = {**mapping.settings, **changes}
     return mapping.model_copy(update={"settings": settings, "benchmark": name})
@@ -102,63 +102,63 @@ def _measure(log: Path, mapping: LogMapping, benchmark: str | None) -> LogResult
 
     from seamark.cli.extras import install_line, missing
     from seamark.mission_logs.limited import LogReaderBroken, measure_limited
-    from seamark.mission_logs.scope import BENCHMARK, ROS_SUFFIXES
+    from seamark.mission_logs.scope import ROS_SUFFIXES
 
     if (log.is_dir() or log.suffix in ROS_SUFFIXES) and missing(("rosbags",)):
         raise UsageRefused(f"MCAP files and ROS bags need rosbags: {install_line('ros')}.")
-    name = benchmark or mapping.benchmark or BENCHMARK
+    name = benchmark or mapping.benchmark or DEFAULT_BENCHMARK
     try:
         with tempfile.TemporaryDirectory(prefix="seamark-replay-") as folder:
-            found = measure_limited(log, mapping, benchmark=name, folder=Path(folder))
-            return replace(found, rows=np.array(found.rows, dtype=np.float64))
+            result = measure_limited(log, mapping, benchmark=name, folder=Path(folder))
+            return replace(result, rows=np.array(result.rows, dtype=np.float64))
     except LogReaderBroken as error:
         raise PlatformFailed(f"The log reader failed.\n{error}") from None
 
 
-def _save(output: OutputFolder, found: LogResult) -> None:
+def _save(output: OutputFolder, result: LogResult) -> None:
     from seamark.sim.recording import telemetry
     from seamark.worker.ipc.outcomes import RunOutcome
 
-    log = found.manifest["log"]
+    log = result.manifest["log"]
     output.comments = [
-        f"{found.manifest['kind']}: {log['name']}, SHA-256 {log['sha256']}",
-        telemetry.units(found.rows.shape[1]),
+        f"{result.manifest['kind']}: {log['name']}, SHA-256 {log['sha256']}",
+        telemetry.units(result.rows.shape[1]),
     ]
-    output.add_rows(found.rows)
-    outcome = RunOutcome(metrics=found.metrics, manifest=found.manifest, digest=found.digest)
-    output.save(found.benchmark, outcome)
+    output.add_rows(result.rows)
+    outcome = RunOutcome(metrics=result.metrics, manifest=result.manifest, digest=result.digest)
+    output.save(result.benchmark, outcome)
 
 
-def _document(found: LogResult, out: Path | None) -> dict[str, Any]:
+def _document(result: LogResult, out: Path | None) -> dict[str, Any]:
     return {
-        "benchmark": found.benchmark,
-        "kind": found.manifest["kind"],
-        "score": found.metrics["score"],
-        "metrics": found.metrics,
-        "manifest": found.manifest,
-        "digest": found.digest,
+        "benchmark": result.benchmark,
+        "kind": result.manifest["kind"],
+        "score": result.metrics["score"],
+        "metrics": result.metrics,
+        "manifest": result.manifest,
+        "digest": result.digest,
         "out": str(out) if out else None,
     }
 
 
-def _print(found: LogResult, out: Path | None) -> None:
+def _print(result: LogResult, out: Path | None) -> None:
     from seamark.cli.run_summary import level_table
     from seamark.sandbox.printable_text import printable_text
 
-    manifest = found.manifest
-    steps, period_s = len(found.rows), manifest["period_s"]
+    manifest = result.manifest
+    steps, period_s = len(result.rows), manifest["period_s"]
     lines = [
-        f"{found.benchmark}, {manifest['kind']}: {steps} control steps of {period_s:g} s",
+        f"{result.benchmark}, {manifest['kind']}: {steps} control steps of {period_s:g} s",
         *(["Resampled as the mapping says."] if manifest["resampled"] else []),
         *_guess_lines(manifest["guessed"]),
         f"measured  {', '.join(manifest['measured'])}",
         f"derived   {', '.join(manifest['derived']) or 'nothing'}",
-        *level_table(found.metrics),
-        *_missing_lines(found.metrics["not_measured"]),
+        *level_table(result.metrics),
+        *_missing_lines(result.metrics["not_measured"]),
     ]
-    if found.metrics["score"] is not None:
-        lines.append(f"score   {found.metrics['score']:.4g}")
-    lines.append(f"digest  {found.digest}")
+    if result.metrics["score"] is not None:
+        lines.append(f"score   {result.metrics['score']:.4g}")
+    lines.append(f"digest  {result.digest}")
     if out is not None:
         lines.append(f"data    {out}")
     click.echo(printable_text("\n".join(lines)))

@@ -64,11 +64,11 @@ def run(  # noqa: PLR0913  # one argument per option
 
     \b
     Examples:
-      seamark run currents-v1 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
-      seamark run currents-v1 --controller my_controller.py --set levels=0,0.2 --trials 3
-      seamark run currents-v1 --config config.json --json
-      seamark run visibility-v1 --set tracker=esm --set warp=srt
-      seamark run visibility-v1 --controller my_tracker.py
+      seamark run currents-v2 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
+      seamark run currents-v2 --controller my_controller.py --set levels=0,0.2 --trials 3
+      seamark run currents-v2 --config config.json --json
+      seamark run visibility-v2 --set tracker=esm --set warp=srt
+      seamark run visibility-v2 --controller my_tracker.py
     """
     from seamark.cli.extras import absent_in_box
     from seamark.cli.output_folder import OutputFolder

@@ -4,8 +4,8 @@ from flask import Blueprint, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.mission_logs.mapping import TEXT_MAX
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.scope import BENCHMARK, SUFFIXES, measurable
+from seamark.mission_logs.result import LogRefused
+from seamark.mission_logs.scope import SUFFIXES, measurable
 from seamark.server.accounts.permissions import Action
 from seamark.server.programs.fair_semaphore import SlotsBusy
 from seamark.server.runs.logs.log_reader import LogTooLarge
@@ -60,7 +60,7 @@ def _show(posted: dict[str, str], error: str = "") -> str:
         "logs/form.html",
         posted=posted,
         error=error,
-        chosen=posted.get("benchmark") or BENCHMARK,
+        chosen=posted.get("benchmark") or known_benchmarks.first().name,
         benchmarks={name: labels[name] for name in measurable()},
         suffixes=SUFFIXES,
         mapping_max=TEXT_MAX,

@@ -32,6 +32,7 @@ _BENCHMARK = station_keeping_benchmark(
 )
 BENCHMARK = replace(
     _BENCHMARK,
+    gym_family="StationKeeping",
     question="Which position controller keeps station best while the current grows?",
     starting_points={**PAPER, **_BENCHMARK.starting_points},
 )

@@ -66,6 +66,7 @@ _BENCHMARK = station_keeping_benchmark(
 )
 BENCHMARK = replace(
     _BENCHMARK,
+    gym_family="StationKeeping",
     question="Which position controller holds station in the strongest current?",
     headline=Metric("score", "Current held", "m/s", "higher"),
     score_bar_max=0.8,

@@ -11,11 +11,13 @@ from mcap.reader import make_reader
 
 from seamark.cli.main import cli
 from seamark.formats.registry import FORMATS
+from seamark.sim.registry import DEFAULT_BENCHMARK
 from tests import telemetry_csv
 
 pytestmark = pytest.mark.slow
 
-SETTINGS = ("--set", "levels=0,0.3", "--set", "settle_s=1")
+OF_V1 = ("--benchmark", "currents-v1")  # that of the results
+SETTINGS = (*OF_V1, "--set", "levels=0,0.3", "--set", "settle_s=1")
 
 
 def seamark(*arguments: str | Path) -> Result:
@@ -67,12 +69,27 @@ def test_what_was_not_measured_is_named(replayed: Path, tmp_path: Path) -> None:
     poses = [line.split(",")[2:9] for line in lines if line[0] == "t" or line.startswith("0,0,")]
     (tmp_path / "poses.csv").write_text("\n".join(map(",".join, poses)) + "\n")
 
-    answer = seamark("replay", tmp_path / "poses.csv", "--set", "settle_s=0", "--json")
+    answer = seamark("replay", tmp_path / "poses.csv", *OF_V1, "--set", "settle_s=0", "--json")
 
     metrics = json.loads(answer.output)["metrics"]
     assert metrics["not_measured"]["lost_percent"] == ["tracker_error", "tracker_ok"]
     assert metrics["levels"][0]["rmse_m"] is not None
     assert metrics["levels"][0]["points"] is metrics["score"] is None
+
+
+def test_a_log_is_measured_by_the_default_benchmark_unless_another_is_named(tmp_path: Path) -> None:
+    lines = [f"{0.05 * at:.2f},0,0,3,0,0,0" for at in range(40)]
+    (tmp_path / "poses.csv").write_text("\n".join(["t,x,y,z,roll,pitch,yaw", *lines]) + "\n")
+
+    answers = [
+        seamark("replay", tmp_path / "poses.csv", *named, "--set", "settle_s=0", "--json")
+        for named in ((), OF_V1)
+    ]
+
+    assert [json.loads(answer.output)["benchmark"] for answer in answers] == [
+        DEFAULT_BENCHMARK,
+        "currents-v1",
+    ]
 
 
 def test_a_log_that_cannot_be_measured_is_wrong_usage(tmp_path: Path) -> None:
