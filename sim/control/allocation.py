@@ -1,17 +1,20 @@
-"""Thrust allocation: the pseudo-inverse of the vehicle's thruster matrix.
+"""Thrust allocation: by the pseudo-inverse of the thruster matrix, or within thrusters' limits.
 
-Computed once, without BLAS, whose last bits depend on the processor.
+The pseudo-inverse is computed once, without BLAS, whose last bits depend on the processor.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.vehicles import Vehicle
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
 _PRIORITY = (SURGE, SWAY, HEAVE, YAW, PITCH, ROLL)
 _INDEPENDENT = 1e-6  # [1, m] least norm of a row orthogonal to the rows before it
+SWEEPS = 400  # E: accelerations are then within 0.01 of the optimum, for all vehicles
 
 
 def allocator(vehicle: Vehicle) -> NDArray[np.float64]:
@@ -53,3 +56,27 @@ def _dot(a: list[float], b: list[float]) -> float:
     for x, y in zip(a, b, strict=True):
         total += x * y
     return total
+
+
+@njit(cache=True, error_model="numpy")
+def allocate_within(
+    hessian: Array, gradient: Array, lowest: Array, highest: Array, thrust: Array
+) -> None:
+    """Minimise f' H f / 2 - g' f within limits by cyclic coordinate descent.
+
+    It converges for every positive definite H (Bertsekas 2016, Nonlinear Programming, 3.7).
+
+    Parameters
+    ----------
+    hessian, gradient : (n, n) and (n,)
+    lowest, highest : (n,) [N]
+    thrust : (n,) [N]
+        The start of the search, and its result.
+    """
+    for _ in range(SWEEPS):
+        for i in range(thrust.size):
+            rest = gradient[i]
+            for j in range(thrust.size):
+                if j != i:
+                    rest -= hessian[i, j] * thrust[j]
+            thrust[i] = min(max(rest / hessian[i, i], lowest[i]), highest[i])

@@ -17,12 +17,14 @@ least and its thrust greatest (weather optimal positioning, Fossen and Strand 20
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from seamark.sim.control.bounded_allocation import allocate_within
+from seamark.sim.control.allocation import allocate_within
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.libm import PI, atan2, exp, sincos
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.physics.plant import Plant
@@ -38,6 +40,27 @@ LARGEST_TURN_RAD = 1.3  # E: with it the target stays in view of the camera
 # [m/s] E: the heading follows the current from the first speed on, and wholly from the second
 TURNING_SPEEDS = (0.15, 0.35)
 REGULARISATION = 1e-9  # [1/(kg² ...)] smallest thrusts among all that are as good; E
+
+
+class Goal(NamedTuple):
+    """Where the vehicle should be."""
+
+    station: Array  # (6,) [m, rad]
+    ahead: float  # [m] the point that is held, forward and starboard of the body's origin
+    side: float
+    heading: float  # [rad]
+    turn: float  # [1/s] natural frequency of the heading
+
+
+class Thrusters(NamedTuple):
+    """What the thrusters do, without an error."""
+
+    effect: Array  # (6, n) acceleration per thrust
+    gains: Array  # (n,) share of its thrust that each gives, 1 without a fault
+    lowest: float  # [N] steady thrust
+    highest: float
+    kept: float  # share of the present thrust that is left after one step
+    curve: Array  # (16,) packed
 
 
 class InverseDynamics:
@@ -65,29 +88,30 @@ class InverseDynamics:
         self._point = point or (0.0, 0.0)
         self._heading = float(station[5])
         vehicle = plant.vehicle
-        self._effect = _effect(plant.inverse_mass(), vehicle.allocation())
-        self._curve = pack_curve(vehicle.curve)
-        self._kept = exp(-dt / vehicle.lag.scalar)  # share of a thrust after a step
-        count = len(vehicle.thrusters)
         forward, reverse = vehicle.curve.limits.value
-        self._limits = (-reverse, forward)
-        self._gains = plant.thruster_gains.copy()
+        gains = plant.thruster_gains.copy()
         if plant.fault is not None:
-            self._gains[plant.fault.thruster] *= plant.fault.efficiency
-        self._command = np.zeros(count)
+            gains[plant.fault.thruster] *= plant.fault.efficiency
+        self._thrusters = Thrusters(
+            effect=_effect(plant.body.inverse_mass, vehicle.allocation()),
+            gains=gains,
+            lowest=-reverse,
+            highest=forward,
+            kept=exp(-dt / vehicle.lag.scalar),
+            curve=pack_curve(vehicle.curve),
+        )
+        self._command = np.zeros(len(vehicle.thrusters))
+        self._law = SameTypes(law)
 
     def commands(self) -> Array:
         """Return the commands for the next step, (n,) in [-1, 1]; reused at the next call."""
         plant, pose = self._plant, self._plant.pose()
         if self._free:
             self._turn(pose)
-        law(
-            plant.state,
-            pose,
-            (self._station, self._point, self._heading, TURN_1_S if self._free else FREQUENCY_1_S),
-            plant.acceleration(),
-            (self._effect, self._gains, self._limits, self._kept, self._curve),
-            self._command,
+        turn = TURN_1_S if self._free else FREQUENCY_1_S
+        goal = Goal(self._station, *self._point, self._heading, turn)
+        self._law.call(
+            plant.state, pose, goal, plant.acceleration(), self._thrusters, self._command
         )
         return self._command
 
@@ -119,22 +143,20 @@ def wrapped(angle: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def desired_acceleration(
-    state: Array, pose: Array, goal: tuple[Array, tuple[float, float], float, float], out: Array
-) -> None:
+def desired_acceleration(state: Array, pose: Array, goal: Goal, out: Array) -> None:
     """Write the acceleration that brings the vehicle to its goal to `out`, (6,) body frame.
 
     Second-order error dynamics of the point that is held and on each angle; roll and pitch are
-    small. `goal` is station, point, heading [rad] and natural frequency of the heading [1/s].
+    small.
     """
-    station, (ahead, side), heading, turn = goal
+    station, ahead, side, turn = goal.station, goal.ahead, goal.side, goal.turn
     sine, cosine = sincos(pose[5])
     own_sine, own_cosine = sincos(station[5])
     north = station[0] + own_cosine * ahead - own_sine * side - pose[0]
     east = station[1] + own_sine * ahead + own_cosine * side - pose[1]
     stiffness, friction = FREQUENCY_1_S * FREQUENCY_1_S, 2.0 * DAMPING * FREQUENCY_1_S
     rate = state[12]
-    out[5] = min(max(wrapped(heading - pose[5]), -LARGEST_LEAD_RAD), LARGEST_LEAD_RAD)
+    out[5] = min(max(wrapped(goal.heading - pose[5]), -LARGEST_LEAD_RAD), LARGEST_LEAD_RAD)
     out[5] = turn * (turn * out[5] - 2.0 * DAMPING * rate)
     out[0] = stiffness * (cosine * north + sine * east - ahead)
     out[1] = stiffness * (cosine * east - sine * north - side)
@@ -150,25 +172,16 @@ def desired_acceleration(
 def law(
     state: Array,
     pose: Array,
-    goal: tuple[Array, tuple[float, float], float, float],
+    goal: Goal,
     present: Array,
-    vehicle: tuple[Array, Array, tuple[float, float], float, Array],
+    thrusters: Thrusters,
     command: Array,
 ) -> None:
     """Write the commands, (n,) in [-1, 1].
 
-    Parameters
-    ----------
-    goal
-        As `desired_acceleration` takes it.
-    present : (6,) body frame [m/s², rad/s²]
-        Acceleration with the present thrusts.
-    vehicle : tuple
-        Acceleration per thrust, (6, n); the share of its thrust that each thruster gives, (n,), 1
-        without a fault; lowest and highest steady thrust [N]; share of the present thrust that is
-        left after one step; packed thruster curve.
+    `present` is the acceleration with the present thrusts, (6,) body frame [m/s², rad/s²].
     """
-    effect, gains, limits, kept, curve = vehicle
+    effect, gains, kept = thrusters.effect, thrusters.gains, thrusters.kept
     count = command.size
     change = np.empty(6)
     desired_acceleration(state, pose, goal, change)
@@ -176,8 +189,8 @@ def law(
     thrust, lowest, highest = np.empty(count), np.empty(count), np.empty(count)
     for j in range(count):
         thrust[j] = state[RIGID + j]
-        lowest[j] = kept * thrust[j] + (1.0 - kept) * gains[j] * limits[0]
-        highest[j] = kept * thrust[j] + (1.0 - kept) * gains[j] * limits[1]
+        lowest[j] = kept * thrust[j] + (1.0 - kept) * gains[j] * thrusters.lowest
+        highest[j] = kept * thrust[j] + (1.0 - kept) * gains[j] * thrusters.highest
         hessian[j, j] = REGULARISATION
     for i in range(6):
         wanted = change[i] - present[i]
@@ -191,4 +204,4 @@ def law(
     for j in range(count):
         steady = (thrust[j] - kept * state[RIGID + j]) / (1.0 - kept)
         thrust[j] = steady / gains[j] if gains[j] > 0.0 else 0.0
-    commands_for(thrust, curve, command)
+    commands_for(thrust, thrusters.curve, command)

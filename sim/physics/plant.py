@@ -181,10 +181,6 @@ class Plant:
         self._write_acceleration.call(time_s, self.state, self.body, self.water, self._work, out)
         return out
 
-    def inverse_mass(self) -> Array:
-        """Return the inverse of the mass matrix with added mass, (6, 6)."""
-        return self.body.inverse_mass
-
     def contact_force(self) -> float:
         """Return the contact force [N] on the hull: mean magnitude over the last `advance`."""
         return self._contact_force

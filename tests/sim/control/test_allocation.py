@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import lsq_linear
 
-from seamark.sim.control.bounded_allocation import allocate_within
+from seamark.sim.control.allocation import allocate_within
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import load
