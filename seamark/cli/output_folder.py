@@ -1,14 +1,15 @@
-"""The files that a local run writes."""
+"""The files that commands write, whole or not at all (`seamark.drafts`)."""
 
 from __future__ import annotations
 
 import json
 import os
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
-from seamark.cli.drafts import draft_of
+from seamark import drafts
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
@@ -18,6 +19,16 @@ if TYPE_CHECKING:
     from seamark.worker.ipc.outcomes import RunOutcome
 
 FILES = ("manifest.json", "metrics.json", "telemetry.csv", "log.txt")
+
+
+@contextmanager
+def draft_of(out: Path) -> Iterator[BinaryIO]:
+    """Provide a file that takes the place of `out` at the end; raises UsageRefused."""
+    try:
+        with drafts.draft_of(out) as file:
+            yield file
+    except OSError as error:
+        raise UsageRefused(f"{out} cannot be written: {error.strerror or error}.") from None
 
 
 class RowsInMemory:

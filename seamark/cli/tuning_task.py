@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seamark.cli.drafts import draft_of
 from seamark.cli.extras import install_line, missing
+from seamark.cli.output_folder import draft_of
 from seamark.failures import UsageRefused
 from seamark.programs import configurations, parameters
 from seamark.programs.setting_values import in_effect
@@ -113,7 +113,7 @@ class TuningTask:
         Parameters
         ----------
         progress
-            Is called with the progress of a run in fresh water, 0 to 1.
+            Is called with the progress of a run with the fresh seed, 0 to 1.
         notice
             Is called with a sentence about something that delays the search.
 

@@ -1,14 +1,19 @@
-"""What the measuring of a log gives."""
+"""What measuring a log gives: a result, or a refusal."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from seamark.sim.recording.telemetry import Rows
+if TYPE_CHECKING:
+    from seamark.sim.recording.telemetry import Rows
 
 LOG = "log"  # what stands where runs have the name of a solution
 WHAT = "measured log, not simulated"
+
+
+class LogRefused(Exception):
+    """The log or its mapping breaks a rule. The text is for the user."""
 
 
 @dataclass(frozen=True, kw_only=True)

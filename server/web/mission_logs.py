@@ -6,7 +6,7 @@ from typing import BinaryIO, cast
 
 from werkzeug.datastructures import FileStorage
 
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.server.runs.data import staging
 from seamark.server.runs.data.files import StorageFailed
 from seamark.server.runs.logs import mission_logs

@@ -1,7 +1,7 @@
 """The results of the reference entries that Seamark ships, computed on public seeds.
 
 They show what a benchmark separates before a new service has computed its own. The results of a
-service must agree with them bit for bit wherever both met the same water: in the reference trials.
+service must agree with them bit for bit wherever both had the same seeds: in the reference trials.
 """
 
 import json

@@ -15,8 +15,7 @@ from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.reward import goal
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, TargetView
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
-from seamark.sim.fleet.columns import copy_columns
-from seamark.sim.fleet.steps import Shared, sense_all, step_all
+from seamark.sim.fleet.steps import Shared, copy_columns, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tables, empty_tables
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.lanes import LANES

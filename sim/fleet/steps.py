@@ -34,7 +34,7 @@ from seamark.sim.fleet.blocks import (
     work_for,
 )
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, Controllers, Motion, Progress, Tables
-from seamark.sim.numerics.arrays import Array, Flags
+from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.pose import read_pose
@@ -297,3 +297,12 @@ def _seen(i: int, corners: Array, visible: bool, progress: Progress) -> Array:
     now[_CORNERS] = visible
     seen: Array = images[max(step - progress.late[i, 0], 0) % slots]
     return seen
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def copy_columns(first: int, last: int, columns: Integers, rows: Array, out: Array) -> None:
+    """Copy columns (k,) of the rows (n, width) of some blocks of vehicles to `out`, (n, k)."""
+    columns, rows, out = borrowed(columns), borrowed(rows), borrowed(out)
+    for i in range(first * LANES, min(last * LANES, out.shape[0])):
+        for j in range(columns.size):
+            out[i, j] = rows[i, columns[j]]

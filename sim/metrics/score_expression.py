@@ -9,15 +9,17 @@ import ast
 import difflib
 import math
 import operator
+import threading
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NoReturn
-
-from seamark.sim.metrics.syntax_trees import expression_of
 
 MAX_LENGTH = 500  # characters
 MAX_DEPTH = 30  # nested operations
 MAX_NODES = 250
 _NAMES_SHOWN = 6  # in an error message
+# The web server has many threads, and CPython before 3.11.5 can fail when two of them parse
+# (SystemError, its issue 106905).
+_one_at_a_time = threading.Lock()
 
 
 def _mean(*values: float) -> float:
@@ -101,6 +103,13 @@ def _evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return FUNCTIONS[name][0](*(_evaluate(one, values) for one in arguments))
     raise TypeError(f"{type(node).__name__} was not checked")
+
+
+def expression_of(text: str) -> ast.Expression:
+    """Return the tree of one expression; raises as `ast.parse`."""
+    with _one_at_a_time:
+        tree = ast.parse(text, mode="eval")
+    return tree
 
 
 def _parse(expression: str, names: Collection[str]) -> ast.Expression:

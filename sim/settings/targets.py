@@ -1,4 +1,7 @@
-"""The targets to choose from; light, so that forms need not load the camera."""
+"""Targets to choose from, and what covers them and the seabed.
+
+Light, so that forms need not load the camera.
+"""
 
 from typing import NamedTuple
 
@@ -24,4 +27,20 @@ TARGETS: dict[str, TargetShape] = {
     "plain": TargetShape("Plain black box", _LENGTH_M, _WIDTH_M, _HEIGHT_M, False),
     "long": TargetShape("Long box with letters", 0.80, _WIDTH_M, _HEIGHT_M, True),
     "square": TargetShape("Square box with bolts", 0.25, 0.25, _HEIGHT_M, True),
+}
+
+LETTERS, SAND = "letters", "sand"  # drawn by the camera itself; the others are pictures
+PICTURES = {
+    "mosaic": "Painted: mosaic",
+    "mottle": "Painted: mottled",
+    "brick": "Photograph: bricks",
+    "camera": "Photograph: man with a camera",
+    "coffee": "Photograph: coffee cup",
+    "grass": "Photograph: grass",
+    "gravel": "Photograph: gravel",
+}
+TARGET_TEXTURES = {LETTERS: "Painted: letters", **PICTURES}
+SEABED_TEXTURES = {
+    SAND: "Painted: sand",
+    **{name: PICTURES[name] for name in ("brick", "grass", "gravel")},
 }

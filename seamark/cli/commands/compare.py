@@ -36,7 +36,7 @@ def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json
 
         with refusals_shown(), Client(server, token) as client:
             compared = client.compare([int(name) for name in results])
-        found = {**compared}
+        comparison = {**compared}
         ids = ",".join(str(run["id"]) for run in compared["runs"])
         link = f"\n{server.rstrip('/')}/compare?runs={ids}"
     elif not has_simulator():
@@ -45,10 +45,12 @@ def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json
         from seamark.cli.local_comparison import compare_results
         from seamark.cli.results import results_of
 
-        found = compare_results(results_of(results, server=server, token=token, telemetry=False))
+        comparison = compare_results(
+            results_of(results, server=server, token=token, telemetry=False)
+        )
     if as_json:
-        print_json(found)
+        print_json(comparison)
         return
-    click.echo(printable_text(tables(found)))
+    click.echo(printable_text(tables(comparison)))
     if link:
         click.echo(link)

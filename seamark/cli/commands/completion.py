@@ -24,10 +24,10 @@ def completion(shell: str, *, as_json: bool) -> None:
 
     from seamark.cli.main import cli
 
-    found = get_completion_class(shell)
-    if found is None:
+    script_class = get_completion_class(shell)
+    if script_class is None:
         raise click.UsageError(f"click does not support {shell}.")
-    script = found(cli, {}, "seamark", "_SEAMARK_COMPLETE")
+    script = script_class(cli, {}, "seamark", "_SEAMARK_COMPLETE")
     # Not `source()`, which starts bash to look at its version.
     text = script.source_template % script.source_vars()
     if as_json:

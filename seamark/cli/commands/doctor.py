@@ -105,18 +105,18 @@ def _sandbox(settings: Settings | None) -> Iterable[Check]:
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
-    found = probe()
+    isolation = probe()
     least = settings.sandbox_min_level if settings else "medium"
     needed = IsolationLevel[least.upper()]
-    name = found.level.name.lower()
-    good = found.level >= needed and found.level > IsolationLevel.NONE
+    name = isolation.level.name.lower()
+    good = isolation.level >= needed and isolation.level > IsolationLevel.NONE
     says = f"level {name}; uploads need {least}"
     yield Check("isolation", "ok" if good else "bad", says, "See the findings below.")
-    for finding in found.findings:
+    for finding in isolation.findings:
         state = "ok" if finding.ok else "warning"
         yield Check(f"  {finding.name}", state, finding.why or "ok", finding.remedy)
     if good:
-        yield from _languages(found.level)
+        yield from _languages(isolation.level)
 
 
 def _languages(isolation: IsolationLevel) -> Iterable[Check]:

@@ -59,7 +59,7 @@ def export(
     as_json: bool,
 ) -> None:
     """Write a run as a file."""
-    from seamark.cli.drafts import draft_of
+    from seamark.cli.output_folder import draft_of
     from seamark.cli.results import is_run
 
     kind = FORMATS[name]

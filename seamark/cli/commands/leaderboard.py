@@ -52,16 +52,16 @@ def leaderboard(
 
     chosen = {name: value for name, value in query.items() if value not in (None, False)}
     with refusals_shown(), Client(server, token) as client:
-        found = client.leaderboard(benchmark, **cast("LeaderboardQuery", chosen))
+        board = client.leaderboard(benchmark, **cast("LeaderboardQuery", chosen))
     if as_json:
-        print_json(found)
+        print_json(board)
         return
     sort = query["sort"]
     heads = ["Rank", "User", "Entry", "Language", "Tracker", "Score", "95 % interval", "Run"]
     heads += [str(sort)] if sort else []
-    rows = [_cells(row, sort) for row in found["ranks"]]
+    rows = [_cells(row, sort) for row in board["ranks"]]
     click.echo(printable_text(table(f"Leaderboard of {benchmark}", heads, rows)))
-    shipped = [entry for entry in found["reference_entries"] if entry["run"] is None]
+    shipped = [entry for entry in board["reference_entries"] if entry["run"] is None]
     if shipped and query["baselines"] != "hide":
         marks = [[entry["title"], f"{entry['score']:.4g}", _interval(entry)] for entry in shipped]
         shown = table(SHIPPED, ["Entry", "Score", "95 % interval"], marks)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.drafts import draft_of
 from seamark.cli.options import json_option, server_options
+from seamark.cli.output_folder import draft_of
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
@@ -68,12 +68,12 @@ def plot(
         raise UsageRefused(f"Up to {RESULTS_MAX} results can be plotted over each other.")
     if out is not None and out.suffix.lower() not in FORMATS:
         raise UsageRefused(f"--out {out}: name it {', '.join(FORMATS[:-1])} or {FORMATS[-1]}.")
-    found = results_of(results, server=server, token=token, telemetry=True)
+    plotted = results_of(results, server=server, token=token, telemetry=True)
     columns, coloured = _terminal()
     points = PICTURE_POINTS if out or as_json else 2 * columns
-    drawn = charts(found, kinds=kinds or KINDS, trial=trial - 1, points=points)
-    names = ", ".join(result.name for result in found)
-    title = f"{found[0].benchmark}: {names}, trial {trial}"
+    drawn = charts(plotted, kinds=kinds or KINDS, trial=trial - 1, points=points)
+    names = ", ".join(result.name for result in plotted)
+    title = f"{plotted[0].benchmark}: {names}, trial {trial}"
     if out is not None:
         _save(drawn, out, title)
     if as_json:

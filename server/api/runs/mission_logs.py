@@ -6,7 +6,7 @@ from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.requests import refusals
 from seamark.server.api.requests.operation_ids import operation_id

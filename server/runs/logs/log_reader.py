@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from seamark.mission_logs.limited import measure_limited
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LogResult
+from seamark.mission_logs.result import LogRefused, LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
 from seamark.server.programs.fair_semaphore import FairSemaphore
 

@@ -10,8 +10,7 @@ import json
 import time
 from contextlib import ExitStack
 
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LOG, LogResult
+from seamark.mission_logs.result import LOG, LogRefused, LogResult
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import Database

@@ -18,7 +18,7 @@ SCALINGS = 20  # the size is then exact to a hundredth of a pixel, mostly to far
 
 
 class Jumps:
-    """Pairs of poses: from the station to the place of the next jump."""
+    """Pairs of poses: from the station to where the next jump ends."""
 
     def __init__(
         self,

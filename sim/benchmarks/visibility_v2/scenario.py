@@ -28,7 +28,7 @@ from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.numerics.libm import PI, exp
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import mean, root_mean_square
-from seamark.sim.settings.textures import LETTERS, SEABED_TEXTURES, TARGET_TEXTURES
+from seamark.sim.settings.targets import LETTERS, SEABED_TEXTURES, TARGET_TEXTURES
 
 OPTICS = Optics(width=320, height=240, focal_px=257.3)  # S: uwsimbenchmarks 988deda
 SHARE_OF_AMPLITUDE = 0.2  # of the path's amplitudes: their spread

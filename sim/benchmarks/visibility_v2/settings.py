@@ -15,7 +15,7 @@ from seamark.sim.registry import TRUTH
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import multiple
 from seamark.sim.settings.setting import setting
-from seamark.sim.settings.textures import SEABED_TEXTURES, TARGET_TEXTURES
+from seamark.sim.settings.targets import SEABED_TEXTURES, TARGET_TEXTURES
 from seamark.sim.settings.tracker import RobustTrackerSettings
 
 level_setting = partial(setting, group="Levels", role="scenario")

@@ -8,7 +8,7 @@ import pytest
 
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 from tests.seamark.mission_logs.conftest import (
     CORNERS,

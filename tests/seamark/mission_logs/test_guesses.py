@@ -12,8 +12,7 @@ import pytest
 from seamark.mission_logs.guesses import guess_columns
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LogResult
+from seamark.mission_logs.result import LogRefused, LogResult
 from seamark.sim.recording.telemetry import INDEX
 from tests.seamark.mission_logs.conftest import POSE, Run
 from tests.seamark.mission_logs.test_ros_logs import TOPICS, _folder, _messages

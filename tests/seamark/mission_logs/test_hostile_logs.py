@@ -17,7 +17,7 @@ import pytest
 from seamark.mission_logs import csv_log, limited
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 
 ROWS = 20_000  # 9 MB of telemetry
 POSE = LogMapping.model_validate({"topics": {"pose": "/pose"}})

@@ -14,8 +14,7 @@ from seamark.formats.recording import Recording
 from seamark.formats.ros import mcap_file
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LogResult
+from seamark.mission_logs.result import LogRefused, LogResult
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 from tests.seamark.mission_logs.conftest import CORNERS, SETTINGS, Run
 

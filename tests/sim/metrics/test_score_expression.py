@@ -1,6 +1,8 @@
 """Expressions over metrics: arithmetic and nothing else, in bounded time."""
 
 import math
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import example, given
@@ -13,6 +15,7 @@ from seamark.sim.metrics.score_expression import (
     MAX_NODES,
     ExpressionInvalid,
     check,
+    expression_of,
     score_of,
 )
 from seamark.sim.registry import BENCHMARKS, benchmark
@@ -160,3 +163,23 @@ def test_every_benchmark_takes_a_custom_score_and_ranked_runs_do_not(name: str) 
         entry.read({"score": "distanc"})
     with pytest.raises(ConfigurationInvalid, match=f"at most {MAX_LENGTH} characters"):
         entry.read({"score": "1" * (MAX_LENGTH + 1)})
+
+
+NESTED = "(" * 40 + "1" + " + 1)" * 40
+
+
+@pytest.fixture
+def threads_that_take_turns_often() -> object:
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("threads_that_take_turns_often")
+def test_many_threads_can_parse_at_the_same_time() -> None:
+    with ThreadPoolExecutor(8) as pool:
+        trees = list(pool.map(lambda _: expression_of(NESTED), range(800)))
+
+    assert {type(tree.body).__name__ for tree in trees} == {"BinOp"}
+    assert len(trees) == 800

@@ -20,7 +20,7 @@ from seamark.sim.numerics.statistics import area
 from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 from seamark.sim.registry import TRUTH, benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.settings.textures import TARGET_TEXTURES
+from seamark.sim.settings.targets import TARGET_TEXTURES
 from seamark.sim.trackers import make
 
 NAME = "visibility-v2"
