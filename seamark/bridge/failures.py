@@ -13,6 +13,6 @@ def wrong_answer(sentence: str) -> ProgramEnded:
     return ProgramEnded(Outcome(verdict=Verdict.PROTOCOL_ERROR, sentence=sentence))
 
 
-def left(sentence: str) -> ProgramEnded:
+def disconnected(sentence: str) -> ProgramEnded:
     """Return that the program disconnected before the end."""
     return ProgramEnded(Outcome(verdict=Verdict.USER_ERROR, sentence=sentence))

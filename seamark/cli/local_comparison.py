@@ -22,7 +22,7 @@ class ComparedResult:
     result: Result
     language: str | None = None  # manifests do not name it
     draw: int | None = None  # a local run verifies nothing
-    submission: str | None = None  # nor has it fresh water
+    submission: str | None = None  # nor has it fresh trials
 
     @property
     def benchmark(self) -> str:
@@ -106,9 +106,9 @@ def compare_results(results: Sequence[Result]) -> dict[str, Any]:
             raise UsageRefused(f"{result.name}: this version has no {result.benchmark}.")
     runs = [ComparedResult(at + 1, result) for at, result in enumerate(results)]
     seeds: Mapping[int, Callable[[int], int]] = {run.id: run.seed_of_trial for run in runs}
-    found = side_by_side(runs, lambda run: seeds[run.id])
+    compared = side_by_side(runs, lambda run: seeds[run.id])
     shown = [
         {"id": run.id, "label": run.result.name, "benchmark": run.benchmark, "score": run.score}
         for run in runs
     ]
-    return {"runs": shown, **asdict(found)}
+    return {"runs": shown, **asdict(compared)}

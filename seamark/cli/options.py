@@ -44,8 +44,8 @@ def _solutions(_: click.Context, __: click.Parameter, incomplete: str) -> list[C
     from seamark.sim import registry
 
     names = {name for one in registry.BENCHMARKS for name in registry.benchmark(one).built_in}
-    found = [CompletionItem(name) for name in sorted(names) if name.startswith(incomplete)]
-    return found or [CompletionItem(incomplete, type="file")]
+    items = [CompletionItem(name) for name in sorted(names) if name.startswith(incomplete)]
+    return items or [CompletionItem(incomplete, type="file")]
 
 
 def server_options(command: Command) -> Command:

@@ -37,11 +37,11 @@ def of_inputs(archived: ArchivedRun, program: bytes | None) -> list[str]:
         f"configuration: {name} is {here} in config.json and {there} in the manifest"
         for name, there, here in _unequal(stated, archived.config)
     ]
-    found = None if program is None else hashlib.sha256(program).hexdigest()
-    if found != manifest.program_sha256:
+    digest = None if program is None else hashlib.sha256(program).hexdigest()
+    if digest != manifest.program_sha256:
         lines.append(
-            f"program: the SHA-256 is {_short(found)} and {_short(manifest.program_sha256)} in the "
-            "manifest"
+            f"program: the SHA-256 is {_short(digest)} and {_short(manifest.program_sha256)} "
+            "in the manifest"
         )
     return lines
 
@@ -92,8 +92,8 @@ def _first_number(archived: ArchivedRun, rows: Rows) -> list[str]:
         if names != known:
             return [f"telemetry: the columns are {len(names)} others than the {len(known)} here"]
         now = rows[at : at + len(before)]
-        if place := _first_place(before[: len(now)], now):
-            row, column = place
+        if cell := _first_unequal(before[: len(now)], now):
+            row, column = cell
             return [_described(before[row], now[row], column, at + row)]
         at += len(before)
         if at > len(rows):
@@ -104,11 +104,11 @@ def _first_number(archived: ArchivedRun, rows: Rows) -> list[str]:
     return []
 
 
-def _first_place(before: Rows, now: Rows) -> tuple[int, int] | None:
+def _first_unequal(before: Rows, now: Rows) -> tuple[int, int] | None:
     unequal = (before != now) & ~(np.isnan(before) & np.isnan(now))
     unequal[:, STEP_US] = False
-    places = np.argwhere(unequal)
-    return (int(places[0][0]), int(places[0][1])) if len(places) else None
+    cells = np.argwhere(unequal)
+    return (int(cells[0][0]), int(cells[0][1])) if len(cells) else None
 
 
 def _described(before: Rows, now: Rows, column: int, at: int) -> str:

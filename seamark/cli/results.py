@@ -31,18 +31,18 @@ def results_of(
     from seamark.cli.server_answers import refusals_shown
     from seamark.plots.result import of_folder
 
-    found: dict[str, Result] = {}
+    by_name: dict[str, Result] = {}
     for name in names:
         if not is_run(name):
             if not Path(name).is_dir():
                 raise UsageRefused(f"{name} is neither a folder nor the number of a run.")
-            found[name] = of_folder(Path(name), telemetry=telemetry)
+            by_name[name] = of_folder(Path(name), telemetry=telemetry)
     if runs := [name for name in names if is_run(name)]:
         from seamark.client import Client
 
         with refusals_shown(), Client(server, token) as client:
-            found |= {name: _of_run(client.run(int(name)), telemetry=telemetry) for name in runs}
-    return [found[name] for name in names]
+            by_name |= {name: _of_run(client.run(int(name)), telemetry=telemetry) for name in runs}
+    return [by_name[name] for name in names]
 
 
 def _of_run(run: Run, *, telemetry: bool) -> Result:

@@ -52,7 +52,7 @@ def _interval(result: Mapping[str, Any]) -> str:
 
 
 def _parts(metrics: Mapping[str, Any]) -> list[str]:
-    """Return the lines of a ranked run on reference and fresh water."""
+    """Return the lines of a ranked run on reference and fresh trials."""
     reference, gap = metrics.get("reference"), metrics.get("gap")
     if not reference or not gap:
         return []

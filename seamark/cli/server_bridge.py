@@ -41,12 +41,12 @@ def run_on_server(
     with refusals_shown(), Client(server, token) as client:
         if not token:
             raise UsageRefused("A run on a server needs a token: --token, or SEAMARK_TOKEN.")
-        url, found = forwarding.address_of(client.server, wanted), list[int]()
+        url, run_ids = forwarding.address_of(client.server, wanted), list[int]()
 
         async def open_session() -> ClientConnection:
             session = await forwarding.opened(url, token, say, retry_after.pause_s)
-            found.append(forwarding.run_of(session))
-            say(f"Run {found[0]}: {client.server}/runs/{found[0]}")
+            run_ids.append(forwarding.run_of(session))
+            say(f"Run {run_ids[0]}: {client.server}/runs/{run_ids[0]}")
             return session
 
         def listening(port: int) -> None:
@@ -54,7 +54,7 @@ def run_on_server(
 
         try:
             asyncio.run(forwarding.forward_one(address, open_session, listening=listening))
-            return client.run(found[0]).wait(progress=False)
+            return client.run(run_ids[0]).wait(progress=False)
         except KeyboardInterrupt:
             click.echo("Stopped.", err=True)
             exit_with(INTERRUPTED)

@@ -97,13 +97,13 @@ def _limits(database: Database) -> Check:
 
     name = "limits of sessions"
     with database.engine.connect() as connection:
-        found = session_limits.find(connection)
-    if not found.missing:
+        limits = session_limits.find(connection)
+    if not limits.missing:
         return Check(name, "ok", "a machine that vanishes does not hold up the others")
-    says = f"not in force: {', '.join(found.missing)}"
-    if found.pooled:
+    says = f"not in force: {', '.join(limits.missing)}"
+    if limits.pooled:
         says = (
-            f"a pooler stands before PostgreSQL, and its sessions lack {', '.join(found.missing)}"
+            f"a pooler stands before PostgreSQL, and its sessions lack {', '.join(limits.missing)}"
         )
     remedy = (
         "A machine that vanishes may stop the queue for hours. Set them for the role of the "
@@ -195,9 +195,11 @@ def _data_folder(settings: Settings) -> Iterable[Check]:
 def _open_files(settings: Settings) -> Iterable[Check]:
     from seamark.server.storage import private_files
 
-    if found := private_files.open_to_others(settings):
-        says = f"other users may read {', '.join(path.name for path in found)}"
-        remedy = f"Start the service, which closes them, or: chmod go= {' '.join(map(str, found))}"
+    if readable := private_files.open_to_others(settings):
+        says = f"other users may read {', '.join(path.name for path in readable)}"
+        remedy = (
+            f"Start the service, which closes them, or: chmod go= {' '.join(map(str, readable))}"
+        )
         yield Check("files of the service", "warning", says, remedy)
 
 

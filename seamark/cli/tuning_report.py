@@ -35,7 +35,7 @@ class Report:
         self.ended = 0  # candidates
         self._bar: Any = None
         self._validation: Any = None
-        self._validated = 0  # configurations that have met all fresh water
+        self._validated = 0  # configurations that have had all fresh trials
 
     @contextmanager
     def searching(self) -> Iterator[None]:
@@ -71,7 +71,7 @@ class Report:
             self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def validating(self) -> AbstractContextManager[Any]:
-        """Return a context manager with the progress of the runs in fresh water."""
+        """Return a context manager with the progress of the runs with the fresh seed."""
         from seamark.progress import Progress
 
         self._validation = Progress("Fresh water", quiet=self._quiet)
@@ -79,7 +79,7 @@ class Report:
         return bar
 
     def show_validation(self, fraction: float) -> None:
-        """Show how much of one of the two runs in fresh water is done."""
+        """Show how much of one of the two runs with the fresh seed is done."""
         self._validation.show((self._validated + fraction) / 2)
         self._validated += fraction >= 1.0
 

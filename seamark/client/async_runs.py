@@ -97,13 +97,15 @@ class AsyncRun(RunView):
 
     async def metrics(self) -> dict[str, Any]:
         """Return the metrics; raises NotFound while there are none."""
-        found: dict[str, Any] = await self._session.do(self._calls.file(self.id, "metrics.json"))
-        return found
+        document: dict[str, Any] = await self._session.do(self._calls.file(self.id, "metrics.json"))
+        return document
 
     async def manifest(self) -> dict[str, Any]:
         """Return versions, configuration, seeds and digest; raises NotFound before the end."""
-        found: dict[str, Any] = await self._session.do(self._calls.file(self.id, "manifest.json"))
-        return found
+        document: dict[str, Any] = await self._session.do(
+            self._calls.file(self.id, "manifest.json")
+        )
+        return document
 
     async def log(self) -> str:
         """Return what the program has printed so far, without the middle of very long output."""

@@ -145,8 +145,8 @@ class Calls:
 
     def benchmarks(self) -> Call[list[BenchmarkDocument]]:
         """Return all benchmarks."""
-        found = yield from self.document("GET", "/benchmarks", needs=("benchmarks",))
-        return cast("list[BenchmarkDocument]", found["benchmarks"])
+        document = yield from self.document("GET", "/benchmarks", needs=("benchmarks",))
+        return cast("list[BenchmarkDocument]", document["benchmarks"])
 
     def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes, dict[str, str]]]:
         """Return the names of the columns, all rows so far as little-endian float64, and units."""

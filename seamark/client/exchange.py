@@ -100,10 +100,10 @@ def exchange(
 
 def document(server: str, response: httpx.Response, needs: Sequence[str] = ()) -> dict[str, Any]:
     """Return the JSON object of a response; raises ServerUnavailable if it lacks what it needs."""
-    found = _object(response)
-    if found is None or not all(key in found for key in needs):
+    answer = _object(response)
+    if answer is None or not all(key in answer for key in needs):
         raise not_seamark(server)
-    return found
+    return answer
 
 
 def not_seamark(server: str) -> ServerUnavailable:

@@ -97,13 +97,13 @@ class Run(RunView):
 
     def metrics(self) -> dict[str, Any]:
         """Return the metrics; raises NotFound while there are none."""
-        found: dict[str, Any] = self._session.do(self._calls.file(self.id, "metrics.json"))
-        return found
+        document: dict[str, Any] = self._session.do(self._calls.file(self.id, "metrics.json"))
+        return document
 
     def manifest(self) -> dict[str, Any]:
         """Return versions, configuration, seeds and digest; raises NotFound before the end."""
-        found: dict[str, Any] = self._session.do(self._calls.file(self.id, "manifest.json"))
-        return found
+        document: dict[str, Any] = self._session.do(self._calls.file(self.id, "manifest.json"))
+        return document
 
     def log(self) -> str:
         """Return what the program has printed so far, without the middle of very long output."""

@@ -53,10 +53,10 @@ class Watch:
             asked_s = DEFAULT_WAIT_S if hint is None else max(hint, FIRST_WAIT_S)
             self._wait_s = FIRST_WAIT_S if first else min(asked_s, WAIT_MAX_S)
             if response.status_code != 304:
-                found = exchange.document(self._calls.server, response)
+                change = exchange.document(self._calls.server, response)
                 self._version = response.headers.get("ETag", "")
-                self._done = self._ended(found)
-                return found
+                self._done = self._ended(change)
+                return change
         return None
 
     def _check_deadline(self) -> None:

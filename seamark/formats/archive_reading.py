@@ -138,12 +138,12 @@ def opened(path: Path) -> Iterator[ArchivedRun]:
 
 def _root(archive: zipfile.ZipFile, path: Path) -> str:
     """Return the folder in the archive that has the manifest, "" or with a slash at its end."""
-    found = [name for name in archive.namelist() if PurePosixPath(name).name == MANIFEST]
-    if len(found) != 1 or found[0].count("/") > 1:
+    manifests = [name for name in archive.namelist() if PurePosixPath(name).name == MANIFEST]
+    if len(manifests) != 1 or manifests[0].count("/") > 1:
         raise ArchiveRefused(
             f"{path.name} has no {MANIFEST}: it is not the archive of a run that has ended."
         )
-    return found[0].removesuffix(MANIFEST)
+    return manifests[0].removesuffix(MANIFEST)
 
 
 def _manifest(archive: zipfile.ZipFile, root: str) -> Manifest:

@@ -20,7 +20,7 @@ class Episode:
     seed: int
     trial: int
     level: int  # index in the configuration's list
-    position: int  # place in the order in which the trial's levels run
+    position: int  # index in the order in which the trial's levels run
 
     def info(self) -> dict[str, int]:
         """Return what `reset` tells of it."""

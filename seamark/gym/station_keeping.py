@@ -51,8 +51,8 @@ class _Held:
 class _ThrusterLoop(ClosedLoop):
     """A loop without the velocity controller; commands arrive as late as those of a controller."""
 
-    def __init__(self, world: World, **place: int) -> None:
-        super().__init__(world, _Held(), **place)
+    def __init__(self, world: World, **indices: int) -> None:
+        super().__init__(world, _Held(), **indices)
         self.thrust_commands = np.zeros(len(world.plant.vehicle.thrusters))
         late = world.conditions.command_delay_steps
         self._pending = [np.zeros_like(self.thrust_commands)] * late
@@ -135,13 +135,13 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
 
     def _begin(self, episode: Episode) -> None:
         self.close()
-        place = {"trial": episode.trial, "level": episode.level}
-        self._world = self._experiment.world(self._config, seed=episode.seed, **place)
-        place["position"] = episode.position
+        indices = {"trial": episode.trial, "level": episode.level}
+        self._world = self._experiment.world(self._config, seed=episode.seed, **indices)
+        indices["position"] = episode.position
         self._loop = (
-            _ThrusterLoop(self._world, **place)
+            _ThrusterLoop(self._world, **indices)
             if self._by_thrusters
-            else ClosedLoop(self._world, self._held, **place)
+            else ClosedLoop(self._world, self._held, **indices)
         )
         config, vehicle = self._world.config, self._world.plant.vehicle
         self._steps, self._first_frame = config.control_steps_per_level, episode.position

@@ -100,12 +100,12 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         return self._observation(), episode.info() | self._truth()
 
     def _begin(self, episode: Episode) -> None:
-        place = {"seed": episode.seed, "trial": episode.trial, "level": episode.level}
+        indices = {"seed": episode.seed, "trial": episode.trial, "level": episode.level}
         self._held, self._step = _Held(), 0
         self._loop = self._experiment.level(  # type: ignore[assignment]  # mode is not free
-            self._config, self._held, **place
+            self._config, self._held, **indices
         )
-        self._camera = self._experiment.camera(self._config, **place)
+        self._camera = self._experiment.camera(self._config, **indices)
         self._show()
 
     def _show(self) -> None:
@@ -143,11 +143,11 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self._held.answer = Track(corners, bool(numbers[CORNERS] >= 0.5), 0.0, 0)
         self._running.step(self._step, self._row)
         self._step += 1
-        found = self._row[_OK] and self._row[_CORNER_ERROR] <= FAR_PX
+        tracked = self._row[_OK] and self._row[_CORNER_ERROR] <= FAR_PX
         truth, over = self._truth(), self._step >= self._config.control_steps_per_level
         if not over:
             self._show()
-        return self._observation(), float(bool(found)), False, over, truth
+        return self._observation(), float(bool(tracked)), False, over, truth
 
     def _observation(self) -> Observation:
         return {

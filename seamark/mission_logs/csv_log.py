@@ -23,7 +23,7 @@ from seamark.mission_logs.csv_values import (
 )
 from seamark.mission_logs.guesses import Guesses, guess_columns
 from seamark.mission_logs.mapping import KNOWN, LogMapping, Source, factor
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import ROWS_MAX, Samples
 
 LINE_MAX = 64 * 1024  # [character]
@@ -154,12 +154,12 @@ class _Table:
         self._sources = dict(sources)
         self._guessed = guessed
         self._columns = {name: array("d") for name in sources}
-        self._places = array("q")
+        self._line_numbers = array("q")
         self._read: dict[str, tuple[Number, float]] = {}
 
     def add(self, cells: Sequence[str], line: int, delimiter: str) -> None:
         """Add a row; raises LogRefused."""
-        if len(self._places) == ROWS_MAX:
+        if len(self._line_numbers) == ROWS_MAX:
             raise LogRefused(f"The log has more than {ROWS_MAX} rows. Cut it into parts.")
         if not self._read:
             self._begin(_cell(cells, self._at["t"], "t", line), delimiter)
@@ -174,7 +174,7 @@ class _Table:
                 raise LogRefused(
                     f"Line {line}, column {name}: {text[:40]!r} is not {what}."
                 ) from None
-        self._places.append(line)
+        self._line_numbers.append(line)
 
     def _begin(self, time: str, delimiter: str) -> None:
         """Choose how each column is read, by the first row."""
@@ -188,7 +188,7 @@ class _Table:
 
     def samples(self) -> Samples:
         """Return all rows; what was guessed and is not needed has to be whole."""
-        if not self._places:
+        if not self._line_numbers:
             raise LogRefused("The file has no rows.")
         values = {name: np.frombuffer(column) for name, column in self._columns.items()}
         for name in [name for name in values if name in self._guessed and name in MOTION]:
@@ -198,7 +198,7 @@ class _Table:
             label="the file",
             noun="line",
             stamps=values.pop("t"),
-            places=np.frombuffer(self._places, dtype=np.int64),
+            numbers=np.frombuffer(self._line_numbers, dtype=np.int64),
             values=values,
         )
 

@@ -40,10 +40,10 @@ class Dates:
 
     def __call__(self, text: str) -> float:
         """Return the seconds since the first time. Raises ValueError."""
-        found = datetime.fromisoformat(text[:_TEXT_MAX])
-        self._first = self._first or found
+        moment = datetime.fromisoformat(text[:_TEXT_MAX])
+        self._first = self._first or moment
         try:
-            return (found - self._first).total_seconds()
+            return (moment - self._first).total_seconds()
         except TypeError:  # one has a zone, the other none
             raise ValueError("the times are partly without a zone") from None
 

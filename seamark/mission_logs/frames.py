@@ -13,8 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from seamark.mission_logs.mapping import QUATERNION, TargetPlace
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.mapping import QUATERNION, TargetPose
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import Values
 from seamark.sim.camera.target import Target
 
@@ -36,15 +36,15 @@ def in_telemetry_frames(
     LogRefused
         A quaternion is incomplete or none.
     """
-    found = dict(values)
-    quaternion = [found.pop(name) for name in QUATERNION if name in found]
+    converted = dict(values)
+    quaternion = [converted.pop(name) for name in QUATERNION if name in converted]
     if quaternion:
         if len(quaternion) < len(QUATERNION):
             raise LogRefused("A quaternion needs all of qx, qy, qz and qw.")
-        found |= zip(("roll", "pitch", "yaw"), _angles(*quaternion), strict=True)
+        converted |= zip(("roll", "pitch", "yaw"), _angles(*quaternion), strict=True)
     if frame == "ENU":
-        _from_enu(found)
-    return found
+        _from_enu(converted)
+    return converted
 
 
 def _angles(x: Values, y: Values, z: Values, w: Values) -> tuple[Values, Values, Values]:
@@ -76,13 +76,13 @@ def _from_enu(values: dict[str, Values]) -> None:
 
 def at_target(
     values: dict[str, Values],
-    place: TargetPlace,
+    measured: TargetPose,
     frame: Literal["NED", "ENU"],
     target: Target,
 ) -> None:
     """Move and turn the vehicle's path in place, so that the log's target is the benchmark's."""
-    north, east, down = place.position
-    heading = place.heading
+    north, east, down = measured.position
+    heading = measured.heading
     if frame == "ENU":
         north, east, down, heading = east, north, -down, 0.5 * math.pi - heading
     turn = target.heading_rad - heading

@@ -62,8 +62,8 @@ class Guesses:
     def document(self) -> dict[str, Any]:
         """Return them in the form of a mapping."""
         columns = {name: source.model_dump() for name, source in self.columns.items()}
-        found = {"frame": self.frame, "topics": dict(self.topics), "columns": columns}
-        return {name: value for name, value in found.items() if value}
+        parts = {"frame": self.frame, "topics": dict(self.topics), "columns": columns}
+        return {name: value for name, value in parts.items() if value}
 
 
 def guess_columns(names: Sequence[str], taken: Collection[str], frame: Frame) -> dict[str, Source]:
@@ -76,15 +76,15 @@ def guess_columns(names: Sequence[str], taken: Collection[str], frame: Frame) ->
     taken
         Columns of the telemetry that are known already.
     """
-    found: dict[str, Source] = {}
+    sources: dict[str, Source] = {}
     for column, aliases in _aliases(frame).items():
         source = None if column in taken else _source(column, aliases, names)
         if source is not None:
-            found[column] = source
-    turned = set(QUATERNION) <= {*found, *taken}
+            sources[column] = source
+    turned = set(QUATERNION) <= {*sources, *taken}
     for name in ANGLES if turned else QUATERNION:  # one of both, and a quaternion only as a whole
-        found.pop(name, None)
-    return found
+        sources.pop(name, None)
+    return sources
 
 
 def _aliases(frame: Frame) -> Mapping[str, Sequence[str]]:

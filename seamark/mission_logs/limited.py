@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from seamark.mission_logs.mapping import LogMapping
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LogResult
+from seamark.mission_logs.result import LogRefused, LogResult
 from seamark.mission_logs.scope import SUFFIXES, unknown_file
 from seamark.sandbox.printable_text import printable_text
 

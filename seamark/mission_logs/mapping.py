@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Len
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator, model_validator
 
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.sim.recording import telemetry
 
 TEXT_MAX = 16 * 1024  # [character] of a document
@@ -83,7 +83,7 @@ class Topics(_Part):
     true_corners: Name | None = None
 
 
-class TargetPlace(_Part):
+class TargetPose(_Part):
     """Where the centre of the target's top face is in the log's world frame.
 
     `heading` [rad] is that of the vehicle from which one reads the target upright.
@@ -101,7 +101,7 @@ class LogMapping(_Part):
     time: Time = Time()
     columns: Annotated[dict[Name, Source], Len(0, 100)] = {}
     topics: Topics = Topics()
-    target: TargetPlace | None = None
+    target: TargetPose | None = None
     settings: Annotated[dict[Name, Any], Len(0, 100)] = {}
 
     @field_validator("columns")
@@ -142,9 +142,9 @@ def factor(column: str, source: Source) -> float:
 
 
 def _sentences(error: ValidationError) -> str:
-    """Return the first faults of a mapping, each with its place."""
-    found = []
+    """Return the first faults of a mapping, each with its key."""
+    sentences = []
     for one in error.errors(include_url=False)[:5]:
-        place = ".".join(map(str, one["loc"])) or "document"
-        found.append(f"{place}: {one['msg'].removeprefix('Value error, ')}")
-    return f"The mapping is wrong. {'; '.join(found)}."
+        key = ".".join(map(str, one["loc"])) or "document"
+        sentences.append(f"{key}: {one['msg'].removeprefix('Value error, ')}")
+    return f"The mapping is wrong. {'; '.join(sentences)}."

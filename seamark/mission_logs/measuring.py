@@ -14,8 +14,7 @@ from seamark.mission_logs.csv_log import read as read_csv
 from seamark.mission_logs.frames import at_target, in_telemetry_frames
 from seamark.mission_logs.guesses import Guesses
 from seamark.mission_logs.mapping import LogMapping
-from seamark.mission_logs.refusal import LogRefused
-from seamark.mission_logs.result import LOG, WHAT, LogResult
+from seamark.mission_logs.result import LOG, WHAT, LogRefused, LogResult
 from seamark.mission_logs.rows import LogRows, log_rows
 from seamark.mission_logs.samples import Samples
 from seamark.mission_logs.scope import (
@@ -63,22 +62,22 @@ def measure(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
     experiment = _experiment(benchmark)
     config = _settings(benchmark, mapping)
     parts, guessed = _read(path, mapping)
-    found = timeline(parts, mapping.time)
+    merged = timeline(parts, mapping.time)
     frame = mapping.frame or guessed.frame or "NED"
-    values = in_telemetry_frames(found.values, frame)
+    values = in_telemetry_frames(merged.values, frame)
     target, optics = target_and_optics(config)
     if mapping.target is not None:
         at_target(values, mapping.target, frame, target)
     camera = experiment.camera(config, seed=0, trial=0, level=0)
     made = log_rows(
-        found,
+        merged,
         values,
         camera=camera,
         station=camera.position(start_pose(optics, target, config.altitude_m)),
         counted=config.target_truth,
         thrusters=max(len(load(name).thrusters) for name in config.vehicles()),
     )
-    config = _with_times(config, mapping, made.rows, found.period_s)
+    config = _with_times(config, mapping, made.rows, merged.period_s)
     results = _trials(experiment, config, made, scored="levels" in mapping.settings)
     summary = summarise(benchmark, config, results)
     metrics = summary | {"not_ranked": NOT_RANKED, "not_measured": _missing(experiment, made)}
@@ -97,7 +96,7 @@ def measure(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
             controller=LOG,
             digest=total,
             guessed=guessed.document(),
-            **_origin(path, mapping, found, made),
+            **_origin(path, mapping, merged, made),
         ),
         digest=total,
     )
@@ -173,8 +172,8 @@ def _whole_numbers(rows: Rows, name: str, most: int) -> int:
 
 def _check_pieces(rows: Rows) -> None:
     """Raise LogRefused unless the rows of each level of a trial follow one another."""
-    places = rows[:, [INDEX["trial"], INDEX["level"]]]
-    begins = places[np.append(True, (np.diff(places, axis=0) != 0.0).any(axis=1))]
+    pairs = rows[:, [INDEX["trial"], INDEX["level"]]]
+    begins = pairs[np.append(True, (np.diff(pairs, axis=0) != 0.0).any(axis=1))]
     distinct, counts = np.unique(begins, axis=0, return_counts=True)
     if (counts > 1).any():
         trial, level = distinct[int(counts.argmax())].astype(int)
@@ -195,7 +194,7 @@ def _trials(
     scored: bool,
 ) -> list[TrialResult]:
     numbers = made.rows[:, INDEX["trial"]]
-    found = []
+    trials = []
     for trial in range(_whole_numbers(made.rows, "trial", TRIALS_MAX)):
         rows = made.rows[numbers == trial]
         drawn = config.for_trial(trial)
@@ -203,7 +202,7 @@ def _trials(
             _level(experiment, drawn, level, rows, made.absent)
             for level in range(len(config.level_values()))
         )
-        found.append(
+        trials.append(
             TrialResult(
                 trial=trial,
                 levels=levels,
@@ -212,7 +211,7 @@ def _trials(
                 rows=len(rows),
             )
         )
-    return found
+    return trials
 
 
 def _level(
@@ -269,16 +268,16 @@ def _missing(experiment: StationKeeping[Any], made: LogRows) -> dict[str, list[s
     }
 
 
-def _origin(path: Path, mapping: LogMapping, found: Timeline, made: LogRows) -> dict[str, Any]:
+def _origin(path: Path, mapping: LogMapping, merged: Timeline, made: LogRows) -> dict[str, Any]:
     """Return what the manifest says about the log."""
-    jitter = np.diff(found.t) - found.period_s
+    jitter = np.diff(merged.t) - merged.period_s
     return {
         "kind": WHAT,
         "log": {"name": path.name, "sha256": _sha256(path)},
         "mapping": mapping.model_dump(mode="json", exclude_defaults=True),
-        "period_s": found.period_s,
-        "resampled": found.resampled,
-        "mean_jitter_s": round(mean(np.abs(jitter[jitter > -found.period_s]).tolist()), 6),
+        "period_s": merged.period_s,
+        "resampled": merged.resampled,
+        "mean_jitter_s": round(mean(np.abs(jitter[jitter > -merged.period_s]).tolist()), 6),
         "measured": list(made.measured),
         "derived": list(made.derived),
         "absent": sorted(made.absent),

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import ROWS_MAX, Samples
 from seamark.sim.recording import telemetry
 
@@ -40,8 +40,8 @@ def read(messages: Iterable[bytes]) -> list[Samples]:
     values = dict(zip(telemetry.names(whole.shape[1]), whole.T, strict=True))
     del values["step_us"]
     stamps = values.pop("t")
-    places = np.arange(1, len(whole) + 1)
-    return [Samples(label=TOPIC, noun="message", stamps=stamps, places=places, values=values)]
+    numbers = np.arange(1, len(whole) + 1)
+    return [Samples(label=TOPIC, noun="message", stamps=stamps, numbers=numbers, values=values)]
 
 
 def _row(data: bytes, number: int) -> telemetry.Rows:

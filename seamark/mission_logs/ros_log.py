@@ -29,7 +29,7 @@ from seamark.mission_logs.guesses import Frame, Guesses
 from seamark.mission_logs.mapping import CORNERS, QUATERNION, TRUE_CORNERS, LogMapping, factor
 from seamark.mission_logs.own_mcap import TOPIC, TYPE
 from seamark.mission_logs.own_mcap import read as read_own
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import ROWS_MAX, Samples
 
 ROS1_SUFFIX = ".bag"
@@ -73,13 +73,13 @@ def read(path: Path, mapping: LogMapping) -> tuple[list[Samples], Guesses]:
             return read_own(data for _connection, _stamp, data in messages), Guesses()
         guessed = Guesses() if named else _guessed(reader, decode, typed, mapping)
         readings = _readings(mapping, guessed, typed)
-        found: list[Samples] = []
+        topics: list[Samples] = []
         origin: int | None = None  # the stamps since 1970 have too many digits for a float
         for topic, parts in readings.items():
             samples, stamps = _samples(reader, decode, topic, parts)
             origin = int(stamps[0]) if origin is None else origin
-            found.append(replace(samples, stamps=(stamps - origin).astype(np.float64) * _NS))
-        return found, guessed
+            topics.append(replace(samples, stamps=(stamps - origin).astype(np.float64) * _NS))
+        return topics, guessed
 
 
 @contextmanager
@@ -116,14 +116,14 @@ def _guessed(
     """Return the only topic that tells where the vehicle is; its first message names the frame."""
     kinds = {topic: one.msgtype for topic, one in typed.items() if one.msgtype in _BY_ROLE[_POSE]}
     odometry = [topic for topic, kind in kinds.items() if kind in _BY_ROLE[_VELOCITY]]
-    found = odometry or list(kinds)
-    if len(found) != 1:
-        why = "has several topics with a pose" if found else "has no topic with a pose"
+    candidates = odometry or list(kinds)
+    if len(candidates) != 1:
+        why = "has several topics with a pose" if candidates else "has no topic with a pose"
         raise LogRefused(
             f"The file {why}, so name the topics of the log in the mapping, such as pose and "
             f"corners below [topics]. The file has: {_listed(typed)}."
         )
-    (topic,) = found
+    (topic,) = candidates
     topics = {_POSE: topic} | ({_VELOCITY: topic} if odometry else {})
     connections = [one for one in reader.connections if one.topic == topic]
     first = next(reader.messages(connections), None)
@@ -137,17 +137,17 @@ def _readings(
     mapping: LogMapping, guessed: Guesses, typed: Mapping[str, Connection]
 ) -> dict[str, tuple[Reading, ...]]:
     """Return topic -> what is read from it; the pose's topic first."""
-    found: list[Reading] = []
+    readings: list[Reading] = []
     roles = {**mapping.topics.model_dump(), **guessed.topics}
     for role in ("pose", "velocity", "corners", "true_corners"):
         if topic := roles.get(role):
-            found.extend(_of_role(role, topic, _connection(topic, typed)))
+            readings.extend(_of_role(role, topic, _connection(topic, typed)))
     for column, source in mapping.columns.items():
         topic, _, path = source.name.partition(":")
         _connection(topic, typed)
-        found.append(_of_field(topic, column, path, factor(column, source)))
+        readings.append(_of_field(topic, column, path, factor(column, source)))
     grouped: dict[str, tuple[Reading, ...]] = {}
-    for one in found:
+    for one in readings:
         grouped[one.topic] = (*grouped.get(one.topic, ()), one)
     return grouped
 
@@ -171,8 +171,8 @@ def _listed(typed: Mapping[str, Connection]) -> str:
 
 # -- messages --------------------------------------------------------------------------------------
 def _pose(pose: Any) -> Numbers:
-    place, turn = pose.position, pose.orientation
-    return place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w
+    position, turn = pose.position, pose.orientation
+    return position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w
 
 
 def _velocity(twist: Any) -> Numbers:
@@ -271,7 +271,7 @@ def _samples(
     """Return the values of a topic without stamps, and the stamps [ns]."""
     connections = [one for one in reader.connections if one.topic == topic]
     columns = {name: array("d") for part in parts for name in part.columns}
-    stamps, places = array("q"), array("q")
+    stamps, numbers = array("q"), array("q")
     for number, (one, received, data) in enumerate(reader.messages(connections), start=1):
         if number > ROWS_MAX:
             raise LogRefused(f"{topic} has more than {ROWS_MAX} messages. Cut the log into parts.")
@@ -280,14 +280,14 @@ def _samples(
             for name, value in zip(part.columns, part.read(message), strict=True):
                 columns[name].append(value)
         stamps.append(_stamp(message) or received)
-        places.append(number)
-    if not places:
+        numbers.append(number)
+    if not numbers:
         raise LogRefused(f"{topic} has no messages.")
     samples = Samples(
         label=topic,
         noun="message",
         stamps=np.empty(0),
-        places=np.frombuffer(places, dtype=np.int64),
+        numbers=np.frombuffer(numbers, dtype=np.int64),
         values={name: np.frombuffer(column) for name, column in columns.items()},
     )
     return samples, np.frombuffer(stamps, dtype=np.int64)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.mission_logs.mapping import CORNERS, TRUE_CORNERS
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import Values
 from seamark.mission_logs.timeline import Timeline
 from seamark.sim.camera.camera import Camera

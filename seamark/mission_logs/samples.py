@@ -16,16 +16,16 @@ ROWS_MAX = 500_000  # of one log: seven hours at 20 Hz
 class Samples:
     """Values that were measured together, such as the lines of a CSV or the messages of a topic.
 
-    `values` are in the units of the telemetry, in the frame of the log; `stamps` in s. `places` are
-    the numbers of the lines or messages, by which sentences name them.
+    `values` are in the units of the telemetry, in the frame of the log; `stamps` in s. `numbers`
+    are those of the lines or messages, by which sentences name them.
     """
 
     label: str
-    noun: str  # of a place: "line" or "message"
+    noun: str  # of a number: "line" or "message"
     stamps: Values
-    places: NDArray[np.int64]
+    numbers: NDArray[np.int64]
     values: Mapping[str, Values]
 
-    def place(self, at: int) -> str:
+    def named(self, at: int) -> str:
         """Return what a sentence calls one sample."""
-        return f"{self.noun} {self.places[at]}"
+        return f"{self.noun} {self.numbers[at]}"

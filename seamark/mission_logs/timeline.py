@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.mission_logs.mapping import CORNERS, TRUE_CORNERS, Time
-from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.samples import ROWS_MAX, Samples, Values
 
 PERIOD_MIN_S, PERIOD_MAX_S = 0.01, 0.5  # of a benchmark's control period
@@ -68,7 +68,7 @@ def _check_values(part: Samples) -> None:
         if wrong.any():
             at = int(wrong.argmax())
             what = "infinite" if math.isinf(column[at]) else "missing or nan"
-            raise LogRefused(f"{part.place(at).capitalize()}: {name} is {what}.")
+            raise LogRefused(f"{part.named(at).capitalize()}: {name} is {what}.")
 
 
 def _check_order(part: Samples) -> None:
@@ -76,7 +76,7 @@ def _check_order(part: Samples) -> None:
     if backwards.any():
         at = int(backwards.argmax()) + 1
         raise LogRefused(
-            f"{part.place(at).capitalize()} of {part.label} is not later than the one before it "
+            f"{part.named(at).capitalize()} of {part.label} is not later than the one before it "
             f"({part.stamps[at]:.6f} s after {part.stamps[at - 1]:.6f} s). Sort the log by time."
         )
 
@@ -97,7 +97,7 @@ def _period(stamps: Values, part: Samples) -> float:
     if off.any():
         at = int(off.argmax())
         raise LogRefused(
-            f"Between {part.place(at)} and {part.place(at + 1)} of {part.label} {steps[at]:g} s "
+            f"Between {part.named(at)} and {part.named(at + 1)} of {part.label} {steps[at]:g} s "
             f"pass instead of {period_s:g} s. To fill gaps with the values before them, set "
             "period_s and max_gap_s below [time]."
         )
@@ -109,7 +109,7 @@ def _of_trials(part: Samples) -> Timeline:
     trials = part.values["trial"]
     if np.any(np.diff(trials) < 0.0):
         at = int((np.diff(trials) < 0.0).argmax()) + 1
-        raise LogRefused(f"{part.place(at).capitalize()}: trials are not in order.")
+        raise LogRefused(f"{part.named(at).capitalize()}: trials are not in order.")
     starts = [0, *(np.flatnonzero(np.diff(trials)) + 1).tolist(), len(trials)]
     period_s = 0.0
     for first, after in pairwise(starts):
@@ -117,14 +117,16 @@ def _of_trials(part: Samples) -> Timeline:
             label=part.label,
             noun=part.noun,
             stamps=part.stamps[first:after],
-            places=part.places[first:after],
+            numbers=part.numbers[first:after],
             values={},
         )
         _check_order(piece)
-        found = _period(piece.stamps, piece)
-        if period_s and found != period_s:
-            raise LogRefused(f"The trials have different intervals: {period_s:g} and {found:g} s.")
-        period_s = found
+        own_period_s = _period(piece.stamps, piece)
+        if period_s and own_period_s != period_s:
+            raise LogRefused(
+                f"The trials have different intervals: {period_s:g} and {own_period_s:g} s."
+            )
+        period_s = own_period_s
     return Timeline(t=part.stamps, period_s=period_s, values=part.values, resampled=False)
 
 
@@ -182,5 +184,5 @@ def _refuse_gap(
     at = int(stale.argmax())
     raise LogRefused(
         f"{part.label.capitalize()} has no value within {max_gap_s:g} s before "
-        f"{stamps[at] - stamps[0]:.3f} s; the last one is {part.place(int(newest[at]))}."
+        f"{stamps[at] - stamps[0]:.3f} s; the last one is {part.named(int(newest[at]))}."
     )

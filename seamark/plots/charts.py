@@ -77,7 +77,7 @@ def _error(results: Sequence[Result], trial: int, points: int) -> Chart:
 
 
 def _current(results: Sequence[Result], trial: int, points: int) -> Chart:
-    """Return the speed of the current over time, once where runs are in the same water."""
+    """Return the speed of the current over time, once where runs have the same seed."""
     lines: list[Line] = []
     for result in results:
         rows = result.trial(trial)

@@ -53,11 +53,11 @@ def of_folder(folder: Path, *, telemetry: bool) -> Result:
         if not isinstance(manifest, dict) or not {"benchmark", "configuration"} <= set(manifest):
             raise ValueError("manifest.json names no benchmark")
         metrics = folder / "metrics.json"
-        found = json.loads(metrics.read_text(encoding="utf-8")) if metrics.exists() else None
+        document = json.loads(metrics.read_text(encoding="utf-8")) if metrics.exists() else None
         return Result(
             name=folder.name or str(folder),
             manifest=manifest,
-            metrics=found,
+            metrics=document,
             rows=_read_telemetry(folder / "telemetry.csv") if telemetry else no_rows(),
         )
     except (OSError, ValueError) as error:

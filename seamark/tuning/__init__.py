@@ -1,1 +1,1 @@
-"""Tuning: tries configurations of a solution in the same water and keeps the best."""
+"""Tuning: tries configurations of a solution with the same seed and keeps the best."""

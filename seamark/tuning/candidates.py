@@ -37,13 +37,13 @@ class Order:
 
 
 class Evaluator(Protocol):
-    """Where candidates run. Every one meets the same water: the same seed and trials."""
+    """Where candidates run. Every one gets the same seed and trials."""
 
     def evaluate(self, orders: Sequence[Order]) -> Iterator[tuple[Order, Evaluated]]:
         """Yield each order when its run has ended; the sequence of the ends has no meaning."""
 
     def repeat(self, config: Mapping[str, Any], *, seed: int, trials: int) -> Evaluated:
-        """Run one configuration in other water."""
+        """Run one configuration with another seed."""
 
 
 def evaluated(metrics: Mapping[str, Any] | None, failure: str) -> Evaluated:

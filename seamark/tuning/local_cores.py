@@ -83,7 +83,7 @@ class LocalCores:
             yield waiting[done], done.result()
 
     def repeat(self, config: Mapping[str, Any], *, seed: int, trials: int) -> Evaluated:
-        """Run one configuration in other water, its trials in parallel."""
+        """Run one configuration with another seed, its trials in parallel."""
         outcome = evaluate_locally(
             self._solution.benchmark,
             config,

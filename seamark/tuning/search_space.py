@@ -94,13 +94,13 @@ def read_dimensions(texts: Sequence[str], tunable: Mapping[str, Schema]) -> tupl
     UsageRefused
         With a sentence that says how to write it.
     """
-    found = tuple(_read(text, tunable) for text in texts)
-    names = [one.name for one in found]
+    dimensions = tuple(_read(text, tunable) for text in texts)
+    names = [one.name for one in dimensions]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise UsageRefused(f"--param {twice} is listed twice.")
-    if not 1 <= len(found) <= DIMENSIONS_MAX:
+    if not 1 <= len(dimensions) <= DIMENSIONS_MAX:
         raise UsageRefused(f"Give 1 to {DIMENSIONS_MAX} parameters with --param.")
-    return found
+    return dimensions
 
 
 def _read(text: str, tunable: Mapping[str, Schema]) -> Dimension:

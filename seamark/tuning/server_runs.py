@@ -106,7 +106,7 @@ class ServerRuns:
                 yield order, task.result()
 
     def repeat(self, config: Mapping[str, Any], *, seed: int, trials: int) -> Evaluated:
-        """Run one configuration in other water.
+        """Run one configuration with another seed.
 
         Raises
         ------

@@ -1,7 +1,7 @@
-"""The best candidate and the defaults in water that no candidate has met.
+"""The best candidate and the defaults with a seed that no candidate has had.
 
-The best of many candidates is a lucky one on the water of the search. Its score there is too high;
-only other water tells whether it is better.
+The best of many candidates is a lucky one with the seed of the search. Its score there is too high;
+only another seed tells whether it is better.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from seamark.tuning.candidates import Evaluated, Evaluator
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
-    """Two configurations in the same fresh water; None where a run failed or says nothing."""
+    """Two configurations with the same fresh seed; None where a run failed or says nothing."""
 
     seed: int
     trials: int
@@ -51,7 +51,7 @@ class Validation:
 
 
 def fresh_seed(seed: int) -> int:
-    """Return a seed whose water no candidate has met: trials of another seed are independent."""
+    """Return a seed that no candidate has had: trials of another seed are independent."""
     return (seed + 1) % (SEED_MAX + 1)
 
 
@@ -64,7 +64,7 @@ def validate(
     trials: int,
     block: int,
 ) -> Validation:
-    """Run two configurations in the same water and compare them trial by trial.
+    """Run two configurations with the same seed and compare them trial by trial.
 
     Parameters
     ----------
@@ -79,9 +79,9 @@ def compared(
     best: Evaluated, defaults: Evaluated, *, seed: int, trials: int, block: int
 ) -> Validation:
     """Return the difference of two runs with the same seed and trials."""
-    found = Validation(seed=seed, trials=trials, best=best.score, defaults=defaults.score)
+    validation = Validation(seed=seed, trials=trials, best=best.score, defaults=defaults.score)
     if failure := best.failure or defaults.failure:
-        return replace(found, failure=failure)
+        return replace(validation, failure=failure)
     own, its = best.trial_scores, defaults.trial_scores
     low, high = paired_interval(own, its, block=block) or (None, None)
-    return replace(found, difference=mean(own) - mean(its), low=low, high=high)
+    return replace(validation, difference=mean(own) - mean(its), low=low, high=high)

@@ -36,13 +36,13 @@ GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
 def _segments(text: str, *, x: float, y: float, height: float, pitch: float) -> list[Segment]:
     """Return the strokes of a text whose first letter has its upper left corner at (x, y)."""
     unit = height / 6
-    found = []
+    segments = []
     for position, letter in enumerate(text):
         left = x + position * pitch
         for line in GLYPHS[letter]:
             for (x0, y0), (x1, y1) in pairwise(line):
-                found.append((left + x0 * unit, y + y0 * unit, left + x1 * unit, y + y1 * unit))
-    return found
+                segments.append((left + x0 * unit, y + y0 * unit, left + x1 * unit, y + y1 * unit))
+    return segments
 
 
 def _distance(

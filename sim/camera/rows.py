@@ -1,7 +1,7 @@
 """The inner loops of the ray-caster over a strip of rows, with the same bits on every processor.
 
 Each loop runs from 0 over slices, which is what lets LLVM vectorise it; without `fastmath` LLVM
-neither reorders nor contracts, so a vector lane computes the same bits as the scalar remainder. A
+neither reorders nor contracts, so a lane of a vector has the same bits as the scalar remainder. A
 pixel's value depends only on its absolute column, never on where the slice starts.
 """
 

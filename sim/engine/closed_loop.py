@@ -21,7 +21,7 @@ from seamark.sim.engine.perception import (
     Tracked,
     perceive,
 )
-from seamark.sim.engine.program import Autopilot, BuiltIn, Command, Program, Seeing
+from seamark.sim.engine.program import Autopilot, BuiltIn, CameraProgram, Command, Program
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
@@ -50,12 +50,12 @@ class ClosedLoop:
         level: int,
         position: int | None = None,
     ) -> None:
-        """Set up a level; `position` is its place in the trial's time, `level` unless given."""
+        """Set up a level; `position` is its index in the trial's time, `level` unless given."""
         config = world.config
         self._world, self._program = world, program
         self._oracle = program.oracle if isinstance(program, BuiltIn) else None
         self._autopilot = program if isinstance(program, Autopilot) else None
-        self._seeing = program if isinstance(program, Seeing) else None
+        self._camera_program = program if isinstance(program, CameraProgram) else None
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._physics_steps = config.physics_steps_per_control_step
@@ -155,7 +155,7 @@ class ClosedLoop:
         pose, tracking = self._pose, self._world.tracking
         if self._motion_blur:
             pose = np.concatenate([pose, self._world.plant.velocity()])
-        if self._seeing is not None:
+        if self._camera_program is not None:
             self._motions.append((self._first_frame + step, pose.copy()))
         track = tracking.update if step else tracking.start
         track(pose, self._first_frame + step)
@@ -195,8 +195,8 @@ class ClosedLoop:
         if self._oracle is not None:
             world = self._world
             self._oracle.attach(world.plant, world.station, world.tool_m)
-        if self._seeing is not None:
-            self._seeing.look_through(self._image)
+        if self._camera_program is not None:
+            self._camera_program.look_through(self._image)
         self._program.reset(
             {
                 "index": self._position,

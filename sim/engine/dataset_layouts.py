@@ -24,7 +24,7 @@ _NAMES = ("upper left", "upper right", "lower right", "lower left")
 _BEGIN = """\
 # Seamark data set for {what}
 
-Images of the vehicle's downward camera with the true place of the target, from the benchmark
+Images of the vehicle's downward camera with the true position of the target, from the benchmark
 {{benchmark}}. {{count}} They are {{colours}}. camera.json has the pinhole (no distortion), its
 mount on the vehicle and the water; configuration.json and manifest.json have settings and seed.
 
@@ -151,10 +151,10 @@ class Tum:
     def add(self, name: str, row: Row, frame: CameraFrame) -> Iterator[tuple[str, bytes]]:
         """Note time and pose of an image."""
         time = f"{row[INDEX['t']]:.6f}"
-        place = frame.camera.truth(frame.motion)[-3:]
+        position = frame.camera.truth(frame.motion)[-3:]
         turn = camera_orientation(*row[INDEX["roll"] : INDEX["yaw"] + 1].tolist())
         self._images.append(f"{time} {self.images}/{name}")
-        self._poses.append(" ".join([time, *(f"{value:.9f}" for value in (*place, *turn))]))
+        self._poses.append(" ".join([time, *(f"{value:.9f}" for value in (*position, *turn))]))
         yield from ()
 
     def end(self) -> Iterator[tuple[str, bytes]]:
@@ -190,8 +190,8 @@ def seen_part(frame: CameraFrame) -> Points | None:
     area, polygon = cv2.intersectConvexConvex(corners.astype(np.float32), image)
     if area < _LEAST_AREA or polygon is None:
         return None
-    found: Points = np.clip(polygon.reshape(-1, 2).astype(np.float64), 0.0, (width, height))
-    return found
+    points: Points = np.clip(polygon.reshape(-1, 2).astype(np.float64), 0.0, (width, height))
+    return points
 
 
 def _corners(frame: CameraFrame) -> Points:

@@ -62,7 +62,7 @@ class Oracle(Protocol):
 
 
 @runtime_checkable
-class Seeing(Protocol):
+class CameraProgram(Protocol):
     """A `Program` that looks through the camera; one in a box has no such method."""
 
     def look_through(self, camera: Callable[[], NDArray[np.uint8]]) -> None:

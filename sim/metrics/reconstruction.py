@@ -43,16 +43,16 @@ def reconstruction(points: Cloud, truth: Cloud, *, level_of_detail: float) -> di
             raise ValueError(f"{name} must have the shape (n, 3) with n > 0, not {cloud.shape}")
     if not level_of_detail > 0.0:
         raise ValueError(f"level_of_detail must be positive, not {level_of_detail:g}")
-    found, wanted = _cells(points, level_of_detail), _cells(truth, level_of_detail)
+    mapped, wanted = _cells(points, level_of_detail), _cells(truth, level_of_detail)
     true_cells = set(wanted)
     near = {tuple(a + b for a, b in zip(c, o, strict=True)) for c in true_cells for o in _AROUND}
-    inside = np.array([cell in near for cell in found])
+    inside = np.array([cell in near for cell in mapped])
     errors = _nearest(points[inside], truth)
     average = mean(errors)
     return {
         "meanError": average,
         "variance": mean([(error - average) ** 2 for error in errors]),
-        "coverage": 100.0 * len(true_cells & set(found)) / len(true_cells),
+        "coverage": 100.0 * len(true_cells & set(mapped)) / len(true_cells),
         "outliers": 100.0 * float((~inside).sum()) / len(points),
     }
 

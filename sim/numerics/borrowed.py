@@ -1,7 +1,7 @@
 """Arrays without reference counts, for compiled loops over several threads.
 
 Every slice of an array, and every tuple with one, counts a reference in memory that all share. The
-counting takes time, and two threads that count in one place wait for each other.
+counting takes time, and two threads that count in the same memory wait for each other.
 A borrowed array has no counter; whoever owns the memory must outlive it.
 """
 

@@ -185,10 +185,10 @@ def _address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     if isinstance(index, types.BaseTuple):
         parts, kinds = cgutils.unpack_tuple(builder, args[1]), list(index)
     parts = [context.cast(builder, *pair, types.intp) for pair in zip(parts, kinds, strict=True)]
-    place = parts[0]
+    offset = parts[0]
     for axis in range(1, kind.ndim):
-        place = builder.add(builder.mul(place, getattr(view, f"size{axis}")), parts[axis])
-    first = builder.gep(view.data, [builder.mul(place, _LONG(LANES))])
+        offset = builder.add(builder.mul(offset, getattr(view, f"size{axis}")), parts[axis])
+    first = builder.gep(view.data, [builder.mul(offset, _LONG(LANES))])
     return builder.bitcast(first, _DOUBLES.as_pointer())
 
 

@@ -213,8 +213,8 @@ def load_pair(typing: Any, array: Any, at: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        place = context.cast(builder, args[1], sig.args[1], types.intp)
-        address = builder.bitcast(builder.gep(data, [place]), ir.IntType(2 * bits).as_pointer())
+        offset = context.cast(builder, args[1], sig.args[1], types.intp)
+        address = builder.bitcast(builder.gep(data, [offset]), ir.IntType(2 * bits).as_pointer())
         value = builder.load(address)
         value.align = 1
         return value if 2 * bits == _INT.width else builder.zext(value, _INT)
@@ -233,12 +233,12 @@ def load_bits(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: 
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         address = _address(context, builder, sig, args)
-        found = builder.load(builder.bitcast(address, _INTS.as_pointer()))
-        found.align = 4
+        loaded = builder.load(builder.bitcast(address, _INTS.as_pointer()))
+        loaded.align = 4
         by, size = (context.cast(builder, args[k], sig.args[k], types.int32) for k in (3, 4))
         one = ir.Constant(_INT, 1)
         mask = builder.sub(builder.shl(one, size), one)
-        moved = builder.lshr(found, _broadcast(builder, by, _INTS))
+        moved = builder.lshr(loaded, _broadcast(builder, by, _INTS))
         return builder.sitofp(builder.and_(moved, _broadcast(builder, mask, _INTS)), _FLOATS)
 
     return _f32x16(words, row, column, shift, bits), generate
@@ -310,8 +310,8 @@ def prefetch(typing: Any, array: Any, at: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        place = context.cast(builder, args[1], sig.args[1], types.intp)
-        address = builder.bitcast(builder.gep(data, [place]), ir.IntType(8).as_pointer())
+        offset = context.cast(builder, args[1], sig.args[1], types.intp)
+        address = builder.bitcast(builder.gep(data, [offset]), ir.IntType(8).as_pointer())
         function_type = ir.FunctionType(ir.VoidType(), (address.type, _INT, _INT, _INT))
         fetch = cgutils.get_or_insert_function(builder.module, function_type, "llvm.prefetch.p0")
         reading, for_l2, data_cache = _INT(0), _INT(2), _INT(1)

@@ -100,14 +100,14 @@ def code_sha256() -> str:
 @cache
 def versions() -> dict[str, str]:
     """Return name -> version of everything that affects a result."""
-    found = {"python": platform.python_version()}
+    installed = {"python": platform.python_version()}
     for name in LIBRARIES:
         try:
-            found[name] = importlib.metadata.version(name)
+            installed[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    found[opencv.PACKAGE] = opencv.running()
-    return found
+            installed[name] = "not installed"
+    installed[opencv.PACKAGE] = opencv.running()
+    return installed
 
 
 def contacts() -> str:

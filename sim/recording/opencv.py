@@ -18,10 +18,10 @@ _CONTRIB = " (without contrib modules)"
 def pinned() -> str:
     """Return the version that Seamark requires."""
     lines = "\n".join(importlib.metadata.requires("seamark") or ())
-    found = _PINNED.search(lines)
-    if found is None:
+    pin = _PINNED.search(lines)
+    if pin is None:
         raise LookupError(f"seamark does not pin {PACKAGE}")
-    return found[1]
+    return pin[1]
 
 
 def running() -> str:
@@ -43,13 +43,13 @@ def running() -> str:
 
 def complaint() -> str | None:
     """Return what is wrong with the OpenCV that runs, and how to repair it; None if it is right."""
-    wanted, found = pinned(), running()
-    if found == wanted:
+    wanted, installed = pinned(), running()
+    if installed == wanted:
         return None
     owners = importlib.metadata.packages_distributions().get("cv2", [])
     others = sorted({PACKAGE, *owners})
     return (
-        f"OpenCV {found} runs in place of {wanted}: another package has replaced it. Pictures, "
+        f"OpenCV {installed} runs in place of {wanted}: another package has replaced it. Pictures, "
         "and results that depend on them, may differ from those of a server. To repair it: "
         f"pip uninstall -y {' '.join(others)} && pip install {PACKAGE}=={wanted}"
     )

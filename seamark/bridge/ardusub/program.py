@@ -49,7 +49,7 @@ class ArduSub:
             self._reply(plant, held=False)
             return commands_of(self._link.receive().pulses_us)
         except Restarted:
-            raise failures.left(
+            raise failures.disconnected(
                 f"ArduPilot restarted at t = {self._t_s:g} s, before the run was over."
             ) from None
 

@@ -65,9 +65,9 @@ class Client:
     def subscribe(self, order: Subscribe, ros: Ros) -> bool:
         """Add a subscription; False if there are too many."""
         name = resolved(order.topic)
-        found = self._subscriptions.setdefault(name, _Subscription(order.topic, ros))
-        found.name, found.ros = order.topic, ros
-        found.throttles[order.id] = order.throttle_rate
+        subscription = self._subscriptions.setdefault(name, _Subscription(order.topic, ros))
+        subscription.name, subscription.ros = order.topic, ros
+        subscription.throttles[order.id] = order.throttle_rate
         if sum(len(one.throttles) for one in self._subscriptions.values()) > MOST_SUBSCRIPTIONS:
             self.unsubscribe(Unsubscribe(op="unsubscribe", topic=order.topic, id=order.id))
             return False
@@ -76,26 +76,26 @@ class Client:
     def unsubscribe(self, order: Unsubscribe) -> None:
         """Remove one subscription, or all of a topic."""
         name = resolved(order.topic)
-        found = self._subscriptions.get(name)
-        if found is None:
+        subscription = self._subscriptions.get(name)
+        if subscription is None:
             return
-        found.throttles.pop(order.id, None)
-        if order.id is None or not found.throttles:
+        subscription.throttles.pop(order.id, None)
+        if order.id is None or not subscription.throttles:
             del self._subscriptions[name]
 
     async def publish(self, now: Moment, only: str | None = None) -> None:
         """Send the messages of a moment, in the order of `TOPICS`; `only` that of one topic."""
         for name, topic in TOPICS.items():
-            found = self._subscriptions.get(name)
+            subscription = self._subscriptions.get(name)
             wanted = only in (None, name) and (now.begins or not topic.at_levels)
-            if found is not None and wanted and found.is_due(now.stamp.ns):
-                message = topic.message(now, Dialect(found.ros, self.axes))
-                await self.send({"op": "publish", "topic": found.name, "msg": message})
+            if subscription is not None and wanted and subscription.is_due(now.stamp.ns):
+                message = topic.message(now, Dialect(subscription.ros, self.axes))
+                await self.send({"op": "publish", "topic": subscription.name, "msg": message})
 
     async def publish_result(self, topic: str, message: dict[str, Any]) -> None:
         """Send a message of a topic that belongs to no moment, if the client subscribes to it."""
-        if found := self._subscriptions.get(topic):
-            await self.send({"op": "publish", "topic": found.name, "msg": message})
+        if subscription := self._subscriptions.get(topic):
+            await self.send({"op": "publish", "topic": subscription.name, "msg": message})
 
     async def status(
         self, level: StatusLevel, text: str, reply_to: str | int | None = None

@@ -19,8 +19,8 @@ from seamark.bridge.rosbridge.server import (
     allowed_origins,
 )
 
-BUSY = (409, 503)  # the account has a session already; no place is free
-PATIENCE_S = 600.0  # that a program may wait for a free place
+BUSY = (409, 503)  # the account has a session already; no slot is free
+PATIENCE_S = 600.0  # that a program may wait for a free slot
 OPEN_S = 20.0
 FAILED = 1011  # close code of RFC 6455, 7.4.1
 REDIRECTIONS = range(300, 400)
@@ -72,7 +72,7 @@ class _Connect(connect):
 async def opened(
     url: str, token: str, say: Callable[[str], None], pause_s: Pause
 ) -> ClientConnection:
-    """Return the connection to a server, after waiting until it has a place.
+    """Return the connection to a server, after waiting until it has a slot.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ async def forward_one(
         close_timeout=CLOSE_WITHIN_S,
     ) as running:
         listening(next(iter(running.sockets)).getsockname()[1])
-        # Not in `handle`: nothing cancels that, and it would wait for a place after Ctrl-C.
+        # Not in `handle`: nothing cancels that, and it would wait for a slot after Ctrl-C.
         await _forward(await first, open_session)
 
 

@@ -70,7 +70,7 @@ class LockStep:
         if self._begun:
             self._end_without_client()
 
-    def left(self, client: Client) -> None:
+    def disconnected(self, client: Client) -> None:
         """Take leave of a client that has disconnected."""
         self.release(client)
         if self._rules.one_client:
@@ -78,7 +78,9 @@ class LockStep:
 
     def _end_without_client(self) -> None:
         when = "" if self._now is None else f" at t = {self._now.stamp.ns / NS:g} s"
-        self._end(failures.left(f"The program disconnected{when}, before the run was over."))
+        self._end(
+            failures.disconnected(f"The program disconnected{when}, before the run was over.")
+        )
 
     def refused(self, client: Client, text: str) -> None:
         """Remember what was refused, for the sentence with which a run ends."""

@@ -108,9 +108,9 @@ def opened(
 
     thread = threading.Thread(target=run, name="rosbridge", daemon=True)
     thread.start()
-    loop, found = listening.result()
+    loop, server_loop = listening.result()
     try:
-        yield Bridge(server, loop, found)
+        yield Bridge(server, loop, server_loop)
     finally:
         loop.call_soon_threadsafe(end.set)
         thread.join()

@@ -160,8 +160,8 @@ def read(message: str | bytes) -> Operation:
 
 
 def _id_of(value: dict[str, Any]) -> str | int | None:
-    found = value.get("id")
-    return found if isinstance(found, str | int) and len(str(found)) <= _LONGEST_NAME else None
+    given = value.get("id")
+    return given if isinstance(given, str | int) and len(str(given)) <= _LONGEST_NAME else None
 
 
 def _sentence(error: ValidationError, value: dict[str, Any]) -> str:

@@ -72,7 +72,7 @@ class Server:
             pass
         finally:
             self._clients.discard(client)
-            self._lock_step.left(client)
+            self._lock_step.disconnected(client)
             self._say(f"{client.address} has disconnected.")
 
     async def _carry_out(self, client: Client, message: str | bytes) -> None:

@@ -45,10 +45,10 @@ class Pictures:
         """Yield topic and message of what belongs to the image at a row."""
         frame = self.replay.frame(row)
         header = geometry.header(stamp, frames.CAMERA)
-        place = _target_place(frame)
-        target = geometry.transform(frames.MAP, frames.TARGET, stamp, *place)
+        pose = _target_pose(frame)
+        target = geometry.transform(frames.MAP, frames.TARGET, stamp, *pose)
         yield "/tf", {"transforms": [target]}
-        yield "/target/pose", geometry.pose_stamped(*place, stamp)
+        yield "/target/pose", geometry.pose_stamped(*pose, stamp)
         yield "/camera/camera_info", _camera_info(frame, header)
         data = jpeg(frame.colour())
         yield "/camera/image/compressed", {"header": header, "format": "jpeg", "data": data}
@@ -67,7 +67,7 @@ def pictures_of(recording: Recording) -> Pictures | None:
     return Pictures(Replay(recording.benchmark, config, recording.seeds.__getitem__), every)
 
 
-def _target_place(frame: CameraFrame) -> tuple[frames.Array, frames.Array]:
+def _target_pose(frame: CameraFrame) -> tuple[frames.Array, frames.Array]:
     """Return the centre of the box in the world frame, and its attitude."""
     target = frame.camera.target
     heading = np.array([0.0, 0.0, target.heading_rad])

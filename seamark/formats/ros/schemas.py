@@ -103,9 +103,9 @@ def _with_parts(fields: str) -> str:
 
 def _contained(fields: str) -> list[str]:
     """Return the names of all messages that these fields lead to, each once."""
-    found: list[str] = []
+    contained: list[str] = []
     for line in fields.splitlines():
         name = line.partition(" ")[0].partition("[")[0]
         if name in _FIELDS:
-            found += [name, *_contained(_FIELDS[name])]
-    return list(dict.fromkeys(found))
+            contained += [name, *_contained(_FIELDS[name])]
+    return list(dict.fromkeys(contained))

@@ -13,8 +13,8 @@ HEADING_GAIN_1_S = 0.5  # E
 class Controller:
     """A PI law on the position that the DVL's velocity integrates to, and P on the heading.
 
-    It knows neither where the target is nor the bias of the DVL, so it holds the place at which the
-    level started and drifts away from it.
+    It knows neither where the target is nor the bias of the DVL, so it holds the position at which
+    the level started and drifts away from it.
     """
 
     label = "Blind (DVL alone)"
@@ -26,7 +26,7 @@ class Controller:
         self.integral = [0.0, 0.0]  # [m/s] north, east
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Take the vehicle's place for the station."""
+        """Take the vehicle's position for the station."""
         self.position = [0.0, 0.0]
         self.integral = [0.0, 0.0]
 

@@ -104,19 +104,19 @@ class Controller:
 
     def _estimate(self, observation: Observation) -> None:
         """Predict by the present thrust, then correct by what is new."""
-        found = self.filter
+        filtered = self.filter
         self.model.update(observation)
         pushes = [self.model.force[axis] / self.model.mass[axis] for axis in AXES]
-        found.predict(pushes, observation.rates.item(2) * observation.dt, observation.dt)
-        self.past.append([state[POSITION] for state in found.states])
+        filtered.predict(pushes, observation.rates.item(2) * observation.dt, observation.dt)
+        self.past.append([state[POSITION] for state in filtered.states])
         if observation.target_visible:
             errors = observation.error.tolist()
             innovations = [-errors[axis] - self.past[0][axis] for axis in AXES]
-            found.correct((POSITION,), innovations, CAMERA_SIGMA_M)
+            filtered.correct((POSITION,), innovations, CAMERA_SIGMA_M)
         if self.model.fresh:
             measured = observation.velocity.tolist()
             innovations = [
-                measured[axis] - found.states[axis][VELOCITY] - found.states[axis][BIAS]
+                measured[axis] - filtered.states[axis][VELOCITY] - filtered.states[axis][BIAS]
                 for axis in AXES
             ]
-            found.correct((VELOCITY, BIAS), innovations, DVL_SIGMA_M_S)
+            filtered.correct((VELOCITY, BIAS), innovations, DVL_SIGMA_M_S)

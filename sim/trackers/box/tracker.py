@@ -49,8 +49,8 @@ class BoxTracker:
     def update(self, image: NDArray[np.uint8]) -> Track:
         """Move the box to the best match in the next image (H, W)."""
         x0, y0, x1, y1 = self.window()
-        found = cv2.matchTemplate(image[y0:y1, x0:x1], self._template, cv2.TM_CCOEFF_NORMED)
-        scores = np.nan_to_num(np.asarray(found, dtype=np.float64))
+        matches = cv2.matchTemplate(image[y0:y1, x0:x1], self._template, cv2.TM_CCOEFF_NORMED)
+        scores = np.nan_to_num(np.asarray(matches, dtype=np.float64))
         row, column = np.unravel_index(int(scores.argmax()), scores.shape)
         similarity = float(scores[row, column])
         position = np.array([x0 + column, y0 + row])

@@ -50,12 +50,12 @@ class _BoxTracker(ABC):
     def update(self, image: NDArray[np.uint8]) -> Track:
         """Move the box to the strongest response in the next image (H, W)."""
         try:
-            found, box = self._filter.update(_as_bgr(image))
+            tracked, box = self._filter.update(_as_bgr(image))
         except cv2.error:  # raised if its box has left the image
             return Track(self._gate.last.copy(), False, 1.0, 1)
         new = np.array(box, dtype=np.float64)
         scaled = (self._corners - self._low) * (new[2:] / self._size)
-        ok = bool(found) and self._gate.accept(new[:2] + scaled)
+        ok = bool(tracked) and self._gate.accept(new[:2] + scaled)
         return Track(self._gate.last.copy(), ok, 0.0 if ok else 1.0, 1)
 
     @abstractmethod

@@ -52,10 +52,10 @@ class KltTracker:
         self._grey = _moments(image)
         mask = np.zeros(image.shape, np.uint8)
         cv2.fillConvexPoly(mask, np.round(corners).astype(np.int32), 255)
-        found = cv2.goodFeaturesToTrack(image, self._max_points, 0.01, 3, mask=mask)
+        features = cv2.goodFeaturesToTrack(image, self._max_points, 0.01, 3, mask=mask)
         self._points: Points = np.empty((0, 1, 2), np.float32)
-        if found is not None:
-            self._points = np.asarray(found, dtype=np.float32)
+        if features is not None:
+            self._points = np.asarray(features, dtype=np.float32)
         self._reference_points = self._points.copy()  # in the image that the flow starts from
 
     def window(self) -> Window:
@@ -107,10 +107,10 @@ class KltTracker:
         guess = _mapped(self._h, self._points).astype(np.float32).reshape(-1, 1, 2)
         none = np.empty(0, np.uint8)
         flow = (none, none, WINDOW_PX, PYRAMID_LEVELS, _UNTIL, cv2.OPTFLOW_USE_INITIAL_FLOW)
-        found = cv2.calcOpticalFlowPyrLK(
+        ends = cv2.calcOpticalFlowPyrLK(
             self._old, image, self._reference_points, guess.copy(), *flow
         )
-        now, status = np.asarray(found[0], np.float32), np.asarray(found[1])
+        now, status = np.asarray(ends[0], np.float32), np.asarray(ends[1])
         good = status.ravel().astype(bool) & np.isfinite(now).all(axis=(1, 2))
         inliers = np.zeros(len(good), np.int64)
         if good.sum() >= MIN_POINTS:
@@ -124,19 +124,17 @@ class KltTracker:
         self, old: Points, new: Points
     ) -> tuple[NDArray[np.float64] | None, NDArray[np.int64]]:
         """Return the warp (3, 3) from the first image to this one, and its inliers."""
-        found: Sequence[Any]
+        fit: Sequence[Any]
         draws = MAX_DRAWS[self._warp]
         if self._warp == "homography":
-            found = cv2.findHomography(old, new, cv2.USAC_FAST, INLIER_PX, None, draws, CONFIDENCE)
+            fit = cv2.findHomography(old, new, cv2.USAC_FAST, INLIER_PX, None, draws, CONFIDENCE)
         elif self._warp == "affine":
-            found = cv2.estimateAffine2D(
-                old, new, None, cv2.USAC_FAST, INLIER_PX, draws, CONFIDENCE
-            )
+            fit = cv2.estimateAffine2D(old, new, None, cv2.USAC_FAST, INLIER_PX, draws, CONFIDENCE)
         else:  # OpenCV has no USAC for this warp
-            found = cv2.estimateAffinePartial2D(
+            fit = cv2.estimateAffinePartial2D(
                 old, new, None, cv2.RANSAC, INLIER_PX, draws, CONFIDENCE
             )
-        h, mask = found
+        h, mask = fit
         if h is None:
             return None, np.zeros(len(old), np.int64)
         return np.vstack([h, np.eye(3)[len(h) :]]), np.asarray(mask, dtype=np.int64)

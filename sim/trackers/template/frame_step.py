@@ -102,7 +102,7 @@ def _window(state: TrackerState, width: int, height: int) -> Window:
     last = state.last
     reach = np.ceil(state.reach[SEARCH]) + state.reach[MARGIN]
     limits = (width, height)
-    found = np.empty(4, np.int64)
+    window = np.empty(4, np.int64)
     for axis in range(2):
         low = last[0, axis]
         high = low
@@ -114,9 +114,9 @@ def _window(state: TrackerState, width: int, height: int) -> Window:
                 high = max(high, expected[k, axis])
         limit = limits[axis]
         first = int(min(max(low - reach, 0.0), limit - 32.0)) // 2 * 2
-        found[axis] = first
-        found[axis + 2] = int(min(max(high + reach + 2.0, first + 32.0), float(limit))) // 2 * 2
-    return found[0], found[1], found[2], found[3]
+        window[axis] = first
+        window[axis + 2] = int(min(max(high + reach + 2.0, first + 32.0), float(limit))) // 2 * 2
+    return window[0], window[1], window[2], window[3]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -248,18 +248,18 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     start = h.copy()
     iterations, sane, similar = align_pyramid(images, h, levels, search)
     apply(h, known.template_corners, corners)
-    found = sane and similar >= lowest and _plausible(corners, known, jump)
+    tracked = sane and similar >= lowest and _plausible(corners, known, jump)
     if search.second_levels > 0:
         more, again = _second_search(
-            images, known, levels, search, start, similar if found else 0.0, jump, h
+            images, known, levels, search, start, similar if tracked else 0.0, jump, h
         )
         iterations += more
         if again > 0.0:
-            found, similar = True, again
+            tracked, similar = True, again
             apply(h, known.template_corners, corners)
-    if found:
+    if tracked:
         _accept(known, h, corners, expected, similar)
     else:
         _mark_lost(known)
     ahead = _window(known, image.shape[1], image.shape[0])
-    return found, similar, iterations, ahead
+    return tracked, similar, iterations, ahead

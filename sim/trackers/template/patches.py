@@ -188,22 +188,22 @@ def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
     `count` is the number of pixels inside.
     """
     rows, end = patch.shape[0] - 2, patch.shape[1] - WIDTH
-    found = f32x16(0.0)
+    sums = f32x16(0.0)
     for c in range(0, end, WIDTH):
         inside = f32x16(0.0)
         for r in range(1, rows + 1):
             inside = inside + load(patch, r, c + 1)
-        found = found + inside * load(columns, MASK, c)
-    mean = float(horizontal_sum(found)) / count
+        sums = sums + inside * load(columns, MASK, c)
+    mean = float(horizontal_sum(sums)) / count
     middle = f32x16(mean)
-    found = f32x16(0.0)
+    sums = f32x16(0.0)
     for c in range(0, end, WIDTH):
         inside = f32x16(0.0)
         for r in range(1, rows + 1):
             off = load(patch, r, c + 1) - middle
             inside = fma(off, off, inside)
-        found = found + inside * load(columns, MASK, c)
-    return mean, math.sqrt(float(horizontal_sum(found)) / count)
+        sums = sums + inside * load(columns, MASK, c)
+    return mean, math.sqrt(float(horizontal_sum(sums)) / count)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -220,11 +220,11 @@ def correlation(
         return 0.0
     mean, sigma = own
     gain, bias = f32x16(sigma / s), f32x16(mean - sigma / s * m)
-    found = f32x16(0.0)
+    products = f32x16(0.0)
     for c in range(0, patch.shape[1] - WIDTH, WIDTH):
         inside = f32x16(0.0)
         for r in range(patch.shape[0] - 2):
             off = load(template, r, c) - fma(gain, load(patch, r + 1, c + 1), bias)
             inside = fma(off, off, inside)
-        found = found + inside * load(columns, MASK, c)
-    return float(1.0 - float(horizontal_sum(found)) / count / (2.0 * sigma * sigma))
+        products = products + inside * load(columns, MASK, c)
+    return float(1.0 - float(horizontal_sum(products)) / count / (2.0 * sigma * sigma))

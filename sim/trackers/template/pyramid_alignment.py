@@ -156,17 +156,17 @@ def search_again(
     every = resolutions(images.whole, images.window, search.second_levels, search.smooth_image)
     top = search.second_levels - 1
     done, best = 0, -1.0
-    found = np.empty((3, 3))
+    warp = np.empty((3, 3))
     for coarsest in range(min(_QUARTER, top), top + 1):
-        found[:] = start
-        more, sane = _align_from(every, coarsest, found, levels, search)
+        warp[:] = start
+        more, sane = _align_from(every, coarsest, warp, levels, search)
         done += more
         if not sane:
             continue
-        similar = _similarity_at(every, min(1, top), found, levels)
+        similar = _similarity_at(every, min(1, top), warp, levels)
         if similar > best:
             best = similar
-            h[:] = found
+            h[:] = warp
         if best >= enough:
             break
     return done, best

@@ -127,10 +127,10 @@ class TemplateTracker:
         """Find the target in the next image (H, W), of which only `window()` is read."""
         if image.shape != self._shape:
             raise ValueError(f"an image of {image.shape} after one of {self._shape}")
-        found, correlation, iterations, self._window = track_frame(
+        tracked, correlation, iterations, self._window = track_frame(
             _contiguous(image), self._window, self._state, *self._known
         )
-        return Track(self._last.copy(), found, 1.0 - correlation, iterations)
+        return Track(self._last.copy(), tracked, 1.0 - correlation, iterations)
 
     def _initial_state(
         self,

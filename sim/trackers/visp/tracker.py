@@ -143,9 +143,9 @@ class _Bridge:
             return b""
         kind = self._out.read(1)
         if kind == b"K":
-            found = self._out.read(size)
-            if len(found) == size:
-                return found
+            reply = self._out.read(size)
+            if len(reply) == size:
+                return reply
         elif kind == b"E":
             (length,) = struct.unpack("=i", self._out.read(4))
             self._out.read(length)  # the reason; the target is lost
