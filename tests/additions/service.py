@@ -41,6 +41,7 @@ ADMIN_PAGES.append(__import__("weather").WEATHER)
 from click import Context
 from flask import Flask
 
+import seamark.gym
 from seamark.cli.commands.export import export
 from seamark.programs import preparation
 from seamark.sandbox.languages import starters
@@ -117,6 +118,7 @@ def main(folder: str, broker: str) -> None:
     app.testing = True
     found = _shown(app, backend, _addresses(app, run_id))
     found |= {"seamark export --help": export.get_help(Context(export))}
+    found |= {"environments of Gymnasium": " ".join(seamark.gym.BENCHMARKS)}
     found |= {"weather for a guest": app.test_client().get("/admin/weather").text}
     found |= {
         "starters": " ".join(starters()),

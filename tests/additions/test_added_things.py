@@ -41,7 +41,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Shown:
         stdout=subprocess.DEVNULL,
     )
     found: Shown = json.loads((data / "shown.json").read_text("utf-8"))
-    return {address: unescape(text) for address, text in found.items()}
+    return {address: " ".join(unescape(text).split()) for address, text in found.items()}
 
 
 # kind of thing -> what pages show of all that there are, what they show of the added one
@@ -107,6 +107,7 @@ EXPECTED = {  # address -> what it shows of the added things
     "/api/v1/runs/1/scene.json": ('"capsule"', "#e9f0f2"),
     "/api/v1/benchmarks": ("harbour-v1",),
     "/api/v1/environment": ("formulas",),
+    "environments of Gymnasium": ("seamark/Harbour-v1",),
     "starters": ("formulas",),
     "parameters": ("gain",),
 }
