@@ -59,6 +59,14 @@ def test_the_folders_of_the_tests_are_those_of_the_code(package: str) -> None:
     assert [folder for folder in folders if not (ROOT / folder).is_dir()] == []
 
 
+def test_a_run_of_all_tests_has_each_of_them() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    run = [ROOT / path for path in settings["tool"]["pytest"]["ini_options"]["testpaths"]]
+    tests = [file for file in tracked("*.py") if file.name.startswith("test_")]
+
+    assert [file for file in tests if not {file, *file.parents} & set(run)] == []
+
+
 def test_contributing_draws_the_layers_of_the_import_contracts() -> None:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]

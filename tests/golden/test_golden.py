@@ -91,6 +91,7 @@ def test_every_benchmark_and_every_vehicle_has_a_golden_trajectory() -> None:
     assert {path.stem for path in FOLDER.glob("*.csv")} == set(CASES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_the_trajectory_is_the_golden_one(case: str) -> None:
     ours, golden = trajectory(case), golden_rows(case)
