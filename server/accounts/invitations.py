@@ -10,9 +10,9 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.database.tables import Invitation
 
-DAYS, DAYS_MAX = 14, 365  # until an invitation expires
-BATCH_MAX = 100  # made by one request
-OPEN_MAX = 1000  # of one account: as many students as a school may have
+DAYS, DAYS_MAX = 14, 365  # until an invitation expires: default and maximum
+BATCH_MAX = 100  # invitations made by one request
+OPEN_MAX = 1000  # unused invitations of one account: as many students as a school may have
 _DAY_S = 86_400.0
 
 
@@ -21,12 +21,12 @@ def create(
 ) -> list[str]:
     """Return the texts of new invitations, which are not stored and cannot be shown again.
 
-    `user_id` is who invites; None for the operator of the service.
+    `user_id` is the account that invites; None for the operator of the service.
 
     Raises
     ------
     AccountRejected
-        The account would have more than `OPEN_MAX` invitations that nobody has used yet.
+        The account would have more than `OPEN_MAX` unused invitations.
     """
     now = time.time()
     session.execute(delete(Invitation).where(Invitation.expires_at <= now))
@@ -52,7 +52,7 @@ def open_count(session: Session, user_id: int) -> int:
 
 
 def accept(session: Session, text: str) -> None:
-    """Use an invitation up, in the transaction that creates the account.
+    """Use up an invitation, in the transaction that creates the account.
 
     Raises
     ------

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 from flask import Flask, Response, request
 from werkzeug.wsgi import ClosingIterator
 
-# Takes less time than writing telemetry as CSV; level 6 takes three times as long for 3 % less.
+# Compressing telemetry takes less time than writing it as CSV; level 6 takes three times as long as
+# level 4 and saves 3 %.
 LEVEL = 4
-SIZE_MIN = 500  # [byte]: less does not become fewer packets
+SIZE_MIN = 500  # [byte]: compressing less than that does not save a packet
 # Images and archives are compressed already; a stream of events must not wait in a buffer.
 MEDIA_TYPES = frozenset(
     {
@@ -29,12 +30,12 @@ def _compress(response: Response) -> Response:
     if response.mimetype not in MEDIA_TYPES:
         return response
     response.vary.add("Accept-Encoding")
-    if not _is_wanted(response):
+    if not _should_compress(response):
         return response
     response.headers["Content-Encoding"] = "gzip"
     etag, is_weak = response.get_etag()
     if etag is not None and not is_weak:
-        # Still enough for If-None-Match; a range must not be of the compressed bytes.
+        # Enough for If-None-Match, and not for If-Range: no range may be of the compressed bytes.
         response.set_etag(etag, weak=True)
     if response.is_sequence:
         response.set_data(gzip.compress(response.get_data(), LEVEL, mtime=0))
@@ -48,9 +49,9 @@ def _compress(response: Response) -> Response:
     return response
 
 
-def _is_wanted(response: Response) -> bool:
+def _should_compress(response: Response) -> bool:
     if response.status_code == 206 or "Range" in request.headers:
-        return False  # a range counts the bytes of the file
+        return False  # ranges are positions in the uncompressed file
     if "Content-Encoding" in response.headers or response.status_code == 304:
         return False
     length = response.content_length

@@ -1,6 +1,6 @@
-"""What can happen to a service: each fault is injected once, and is over when its function returns.
+"""Faults of a service: a function injects one and returns when it is over.
 
-`chance` decides when and where; what it cannot decide is how far a run has come by then.
+`chance`, a seeded generator, decides when and where; how far a run has come by then differs.
 """
 
 import os
@@ -26,7 +26,7 @@ from tests.services.faulty_s3 import Behaviour
 Fault = Callable[[Installation, Generator], None]
 HOUR_S = 3600.0
 ERRORS_S, HANG_S = 25.0, 100.0
-WORKING_S = 30.0  # of a storage between two faults
+WORKING_S = 30.0  # that an object storage works between two faults
 TICKETS_MAX = 1000
 
 
@@ -58,7 +58,7 @@ def kill_maintenance(service: Installation, chance: Generator) -> None:
     _kill_everywhere(service, chance, MAINTENANCE)
 
 
-def kill_check_lane(service: Installation, chance: Generator) -> None:
+def kill_check_process(service: Installation, chance: Generator) -> None:
     """SIGKILL of the check process of each worker."""
     _kill_everywhere(service, chance, CHECK_LOOP)
 
@@ -95,9 +95,9 @@ def several(service: Installation, chance: Generator) -> None:
     with ThreadPoolExecutor(len(faults)) as threads:
         chances = chance.spawn(len(faults))
         pairs = zip(faults, chances, strict=True)
-        begun = [threads.submit(fault, service, each) for fault, each in pairs]
-    for each in begun:
-        each.result()
+        injected = [threads.submit(fault, service, each) for fault, each in pairs]
+    for future in injected:
+        future.result()
 
 
 def flush_broker(service: Installation, chance: Generator) -> None:
@@ -108,13 +108,13 @@ def flush_broker(service: Installation, chance: Generator) -> None:
 def confuse_tickets(service: Installation, chance: Generator) -> None:
     """Tickets that come twice, late and in another order."""
     redis, keys = service.service.redis, broker.ticket_keys(service.service.app)
-    taken = [(key, ticket) for key in keys for ticket in redis.lrange(key, 0, -1)]
+    tickets = [(key, ticket) for key in keys for ticket in redis.lrange(key, 0, -1)]
     for key in keys:
         redis.delete(key)
     time.sleep(chance.uniform(0.1, 1.0))
-    copies_max = 3 if len(taken) < TICKETS_MAX else 1  # each time more would fill the broker
-    for at in chance.permutation(len(taken)):
-        key, ticket = taken[at]
+    copies_max = 3 if len(tickets) < TICKETS_MAX else 1  # copies of copies would fill the broker
+    for at in chance.permutation(len(tickets)):
+        key, ticket = tickets[at]
         redis.rpush(key, *[ticket] * int(chance.integers(1, copies_max + 1)))
 
 
@@ -157,9 +157,9 @@ def take_storage_away(service: Installation, chance: Generator) -> None:
 def fill_disk(service: Installation, chance: Generator) -> None:
     """For a while no file of a worker can grow: its writes fail as on a full disk."""
     pids = service.processes(service.workers[service.ready_worker(chance)].pid, "")
-    _end_files_at(pids, 4096)
+    _limit_file_size(pids, 4096)
     time.sleep(chance.uniform(0.1, 3.0))
-    _end_files_at(pids, resource.RLIM_INFINITY)
+    _limit_file_size(pids, resource.RLIM_INFINITY)
 
 
 def jump_clock(service: Installation, chance: Generator) -> None:
@@ -186,7 +186,7 @@ FAULTS: Mapping[str, Fault] = {
     "pool child killed": kill_pool_child,
     "simulator killed": kill_simulator,
     "maintenance killed": kill_maintenance,
-    "check lane killed": kill_check_lane,
+    "check process killed": kill_check_process,
     "web server killed": kill_web_server,
     "web server stopped": stop_web_server,
     "broker killed": kill_broker,
@@ -218,7 +218,7 @@ def _disturb_objects(service: Installation, behaviour: Behaviour, seconds: float
 
 
 def _none_has_broken(service: Installation) -> bool:
-    """Return whether no live run has broken: by the third time it fails, as it should."""
+    """Return whether no live run has broken yet: the third time, it fails for good."""
     with service.service.database.reading() as session:
         broken = session.query(Run).where(Run.state.in_(LIVE), Run.failures > 0)
         return not broken.count()
@@ -230,10 +230,10 @@ def _kill_everywhere(service: Installation, chance: Generator, module: str) -> N
         _signal(service.processes(worker.pid, module)[:1], signal.SIGKILL)
 
 
-def _end_files_at(pids: list[int], size: int) -> None:
+def _limit_file_size(pids: list[int], size: int) -> None:
     for pid in pids:
         with suppress(ProcessLookupError, PermissionError):  # boxes belong to other users
-            hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]
+            _soft, hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)
             resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, hard))
 
 

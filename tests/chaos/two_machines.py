@@ -1,8 +1,8 @@
 """`./run machines`: the services of compose.yaml on two machines that share no folder.
 
 Their commands, settings, users, rights, secrets and health checks are read from the Compose files.
-Of the images only what they add is done here: PostgreSQL's first start, and an S3 server in the
-place of Garage. Prints a line for each thing that was seen, and ends with 1 if one was not.
+Nothing runs in an image, so what the images add is done here: PostgreSQL's first start, and an S3
+server instead of Garage. Prints a line per check, and ends with 1 if one has failed.
 """
 
 import json
@@ -37,20 +37,20 @@ from tests.services import compose
 from tests.services.embedded import cancel_baselines
 from tests.services.faulty_s3 import Behaviour
 
-REFUSED_S = 120.0
+REFUSED_S = 120.0  # until a worker that must not start has ended
 STANDSTILL_S, POLL_S = 60.0, 0.25
-PAGE_S = 15.0  # one request to a storage that hangs, and what waits for it
+PAGE_S = 15.0  # slowest answer while a storage hangs
 STEPS = ("migrate", "worker-rights", "reference-entries")
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
-# Long enough to be seen under way on a fast machine: progress is told every five seconds.
+# Long enough to be seen running on a fast machine: progress is published every five seconds.
 LONG = SHORT | {"levels": [at / 20 for at in range(10)], "level_duration_s": 600.0}
 UPLOADED = {"levels": [0.0, 0.2], "level_duration_s": 8.0, "settle_s": 1.0}
 RANKED: Any = {"controller": "pi", "kind": "ranked"}
 
 
 class Service:
-    """What a user and an operator see of it."""
+    """The service as a user and an operator see it."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
@@ -68,11 +68,11 @@ class Service:
 
     def submit(self, count: int, config: Mapping[str, object], **options: Any) -> list[ClientRun]:
         """Submit runs by both web servers in turn."""
-        order: Any = {"controller": "pi", "config": config, "seed": SEED} | options
+        arguments: Any = {"controller": "pi", "config": config, "seed": SEED} | options
         clients = [self.clients[number % 2] for number in range(count)]
-        return [client.submit("currents-v1", **order) for client in clients]
+        return [client.submit("currents-v1", **arguments) for client in clients]
 
-    def all_evaluate(self) -> bool:
+    def both_ready(self) -> bool:
         """Return whether the simulators of both workers are loaded."""
         with self.database.reading() as session:
             alive = [worker for worker in workers.listed(session) if worker.alive]
@@ -104,7 +104,6 @@ def equal_results(service: Service) -> None:
     key = (service.session.host.secrets / "seed_key").read_text().encode()
     trials = registry.benchmark("currents-v1").ranked_trials
     hidden = tuple(hidden_seed(key, "currents-v1", trial) for trial in range(trials))
-    full: dict[str, object] = {}
     cases: dict[str, tuple[list[ClientRun], str]] = {
         "a built-in controller": (
             service.submit(8, SHORT),
@@ -116,7 +115,7 @@ def equal_results(service: Service) -> None:
         ),
         "a ranked run": (
             [client.submit("currents-v1", **RANKED) for client in service.clients * 2],
-            evaluate_seeds("currents-v1", full, seeds=hidden, controller="pi").digest,
+            evaluate_seeds("currents-v1", {}, seeds=hidden, controller="pi").digest,
         ),
     }
     for name, (runs, wanted) in cases.items():
@@ -144,12 +143,12 @@ def killed_worker(service: Service) -> None:
 
 
 def connected_programs(service: Service) -> None:
-    """Two programs at once, connected by rosbridge to one web server each, have a place each."""
-    run = {"benchmark": "currents-v1", "seed": str(SEED), "config": json.dumps(UPLOADED)}
+    """Two programs, connected by rosbridge to one web server each, run at once on both workers."""
+    query = {"benchmark": "currents-v1", "seed": str(SEED), "config": json.dumps(UPLOADED)}
 
-    def take_part(number: int) -> tuple[ClientRun, str]:
+    def connect_program(number: int) -> tuple[ClientRun, str]:
         client, token = service.clients[number], service.tokens[number]
-        address = f"{client.server.replace('http', 'ws', 1)}/api/v1/rosbridge?{urlencode(run)}"
+        address = f"{client.server.replace('http', 'ws', 1)}/api/v1/rosbridge?{urlencode(query)}"
         headers = {"Authorization": f"Bearer {token}"}
         with connect(
             address, additional_headers=headers, max_size=None, compression=None
@@ -163,7 +162,7 @@ def connected_programs(service: Service) -> None:
             return own.wait(timeout_s=START_S, progress=False), str(digest)
 
     with ThreadPoolExecutor(2) as threads:
-        found = list(threads.map(take_part, (0, 1)))
+        found = list(threads.map(connect_program, (0, 1)))
     wanted = evaluate_locally("currents-v1", UPLOADED, seed=SEED, controller="nothing").digest
     machines = sorted(service.worker_of(each) for each, _ in found)
     both = machines == ["worker-a", "worker-b"]
@@ -177,24 +176,24 @@ def vanished_machine(service: Service) -> None:
     gone = service.session.running["worker-b"]
     runs = service.submit(6, SHORT)
     others = [Client(client.server, token=service.tokens[1]) for client in service.clients]
-    order: Any = {"controller": "pi", "config": SHORT, "seed": SEED}
-    runs += [other.submit("currents-v1", **order) for other in others * 3]
+    arguments: Any = {"controller": "pi", "config": SHORT, "seed": SEED}
+    runs += [other.submit("currents-v1", **arguments) for other in others * 3]
     words = ["env", f"PYTHONPATH={compose.ROOT}", sys.executable]
     claim = gone.begin([*words, "-m", "tests.chaos.vanishing_claim"])
     assert claim.stdout is not None
-    held = int(claim.stdout.readline())
+    claimed = int(claim.stdout.readline())
     gone.connect(up=False)
-    longest_s, ended_at, left = 0.0, time.monotonic(), set(runs)
-    while left and longest_s < REFUSED_S:
-        ended = {run for run in left if run.refresh().state not in ("queued", "running")}
+    longest_s, ended_at, live = 0.0, time.monotonic(), set(runs)
+    while live and longest_s < REFUSED_S:
+        ended = {run for run in live if run.refresh().state not in ("queued", "running")}
         longest_s = max(longest_s, time.monotonic() - ended_at)
         if ended:
-            ended_at, left = time.monotonic(), left - ended
+            ended_at, live = time.monotonic(), live - ended
         time.sleep(POLL_S)
     claim.kill()
     gone.connect(up=True)
     session, states = service.session, {run.state for run in runs}
-    what = f"worker-b vanished while it claimed run {held}"
+    what = f"worker-b vanished while it claimed run {claimed}"
     session.saw(f"{what}: {len(runs)} runs of two owners ended", states == {"succeeded"})
     session.saw(f"{what}: longest standstill {longest_s:.0f} s", longest_s < STANDSTILL_S)
     wait_until(gone.is_healthy, START_S)
@@ -202,13 +201,13 @@ def vanished_machine(service: Service) -> None:
 
 def refused_workers(service: Service) -> None:
     """A worker that would compute something else does not start, and says why."""
-    other = {"SEAMARK_SEED_KEY_FILE": "/run/secrets/storage_secret_key"}
+    other_key = {"SEAMARK_SEED_KEY_FILE": "/run/secrets/storage_secret_key"}
     elsewhere = {"SEAMARK_STORAGE_URL": "s3://seamark/elsewhere"}
-    version = f"echo '# changed' >> .{compose.ROOT}/sim/physics/plant.py"
+    edit = f"echo '# changed' >> .{compose.ROOT}/sim/physics/plant.py"
     cases: dict[str, dict[str, Any]] = {
-        "another secret": {"environment": other},
+        "another secret": {"environment": other_key},
         "another storage": {"environment": elsewhere},
-        "other code": {"prepare": version},
+        "other code": {"prepare": edit},
     }
     for name, options in cases.items():
         refused = service.session.start("worker", ELSEWHERE, name="refused", **options)
@@ -303,15 +302,14 @@ def _answers(client: Client) -> bool:
 
 def _start_worker(session: Session, name: str) -> None:
     machine = HERE if name == "worker-a" else ELSEWHERE
-    extra = QUOTAS | {"SEAMARK_WORKERS": "1"}
-    worker = session.start("worker", machine, name=name, environment=extra)
+    environment = QUOTAS | {"SEAMARK_WORKERS": "1"}
+    worker = session.start("worker", machine, name=name, environment=environment)
     wait_until(worker.is_healthy, START_S)
 
 
 def _start_web(session: Session, name: str) -> None:
     number = {"web-1": 5, "web-2": 6}[name]  # a proxy finds a replica again by its name
-    extra = QUOTAS
-    web = session.start("web", name=name, number=number, environment=extra)
+    web = session.start("web", name=name, number=number, environment=QUOTAS)
     wait_until(lambda: _is_up(web.address), START_S)
 
 
@@ -330,7 +328,7 @@ def _start_all(session: Session) -> Service:
     for name in ("worker-a", "worker-b"):
         _start_worker(session, name)
         session.saw(f"the health check of {name} passes", True)
-    wait_until(service.all_evaluate, START_S)
+    wait_until(service.both_ready, START_S)
     for name in ("web-1", "web-2"):
         wait_until(session.running[name].is_healthy, START_S)
         session.saw(f"the health check of {name} passes", True)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from seamark.bridge import failures
 from seamark.bridge.ardusub.packets import LONGEST_PACKET, NoServos, Servos, read_servos
 
-POLL_S = 0.5  # [s] between two looks at the clock
+POLL_S = 0.5  # [s] longest wait for a packet before the deadline is checked
 Address = tuple[str, int]
 
 
@@ -21,12 +21,12 @@ class Link:
     def __init__(
         self, host: str, port: int, *, answer_within_s: float, say: Callable[[str], None]
     ) -> None:
-        """Listen; port 0: one that is free.
+        """Listen; port 0 takes one that is free.
 
         Parameters
         ----------
         answer_within_s : float [s]
-            Wall time until the next frame, once there was one.
+            Longest wall time between two frames.
 
         Raises
         ------
@@ -46,7 +46,7 @@ class Link:
         self._peer: Address | None = None
         self._frame = -1
         self._last_reply = b""
-        self._refused = False
+        self._has_warned = False
 
     def __enter__(self) -> "Link":
         """Return the link."""
@@ -62,9 +62,10 @@ class Link:
         Raises
         ------
         ProgramEnded
-            None came in time.
+            No frame came in time.
         Restarted
-            ArduPilot counts from the beginning again; `receive` returns that frame next time.
+            ArduPilot counts from the beginning again. That frame is received and not returned:
+            `reply` answers it, and `receive` waits for the one after it.
         """
         deadline = time.monotonic() + self._answer_within_s
         while True:
@@ -81,13 +82,13 @@ class Link:
                 return frame
 
     def _frame_of(self, packet: bytes, sender: Address) -> Servos | None:
-        """Return a frame that is new; None for all else."""
+        """Return the frame of a packet if it is a new one of this ArduPilot, else None."""
         try:
             servos = read_servos(packet)
         except NoServos as reason:
-            if not self._refused:
+            if not self._has_warned:
                 self._say(f"Ignored {reason}: not from ArduPilot's JSON interface.")
-            self._refused = True
+            self._has_warned = True
             return None
         if self._peer is None:
             self._say(f"ArduPilot at {sender[0]}:{sender[1]}, {servos.rate_hz} frames per second.")
@@ -96,7 +97,7 @@ class Link:
             return None
         restarted = self._peer is not None and servos.frame < self._frame
         if sender != self._peer and not restarted and self._peer is not None:
-            return None  # another one, while this one goes on
+            return None  # another ArduPilot, while the first one goes on
         self._peer, self._frame = sender, servos.frame
         if restarted:
             raise Restarted

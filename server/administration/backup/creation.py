@@ -177,7 +177,7 @@ def _deleted_since(database: Database, moment: float) -> dict[int, float]:
 
 def _programs(data: Path) -> Iterator[Path]:
     for path in (data / "programs").glob("*"):
-        if layout.place_of(layout.of_program(path.name), data) is not None:
+        if layout.path_of(layout.of_program(path.name), data) is not None:
             yield path
 
 

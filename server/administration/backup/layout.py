@@ -72,6 +72,6 @@ def key_of(member: str) -> str | None:
     return match[1] if match else None
 
 
-def place_of(member: str, data: Path) -> Path | None:
+def path_of(member: str, data: Path) -> Path | None:
     """Return where a program or a file of a run belongs; None for other members."""
     return data / member if _FILE.fullmatch(member) else None

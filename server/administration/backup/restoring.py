@@ -1,7 +1,7 @@
 """Restoring a backup into an empty service, or in place of one that has stopped.
 
 The whole backup is verified before anything changes. Then a file in the data folder keeps services
-from starting until everything is in place, so that nobody takes what a crash leaves for a service.
+from starting until everything is in place: what a crash leaves behind is not a whole service.
 """
 
 import json
@@ -38,7 +38,7 @@ class RestoreRefused(Exception):
 
 def check(source: Path, on_bytes: OnBytes) -> Header:
     """Verify a whole backup and return its header; raises ArchiveRejected."""
-    header, _ = _beginning(source)
+    header, _ = _header_and_keys(source)
     archive.verify(source, on_bytes)
     return header
 
@@ -56,40 +56,41 @@ def restore(
     Parameters
     ----------
     settings
-        May be of somebody who only looks: the keys come from the backup.
+        May lack the keys, which come from the backup.
     force
         Replace the service that is there: its accounts, runs and programs are lost.
     on_bytes
-        Told the bytes that have been read; the backup is read twice.
+        Called with the number of bytes read since the last call; the backup is read twice.
     locked
         Locks the data folder, once it is known that the backup can be restored.
 
     Raises
     ------
     RestoreRefused, ArchiveRejected
-        Nothing was changed, and nothing new is there.
+        Nothing was changed. The exception is a backup with correct sums whose rows are not those of
+        its own summary: it is rejected with the data folder cleared, and services do not start.
     """
-    header, keys = _beginning(source)
+    header, keys = _header_and_keys(source)
     _require_known(header)
     _require_same_storage(header, settings)
     _require_key(settings, keys["seed_key"])
-    _require_free_place(settings, force=force)
+    _require_free_target(settings, force=force)
     if not force:
         _require_room(settings.data, source.stat().st_size)
     archive.verify(source, on_bytes)
     settings.data.mkdir(parents=True, exist_ok=True, mode=0o700)
     with locked(settings.data):
-        _require_free_place(settings, force=force)  # now, too
+        _require_free_target(settings, force=force)  # again, now that the folder is locked
         data_folder.unfinished(settings.data).write_text(f"{source}\n", encoding="utf-8")
         _clear(settings.data)
         with schema.replaced(settings, header.schema_revision) as connection:
             summary = _unpack(connection, settings, source, on_bytes)
-        _settle(settings, keys, source)
+        _finish(settings, keys, source)
     return summary
 
 
-def _beginning(source: Path) -> tuple[Header, dict[str, str]]:
-    """Return the header and the keys, with which every backup begins."""
+def _header_and_keys(source: Path) -> tuple[Header, dict[str, str]]:
+    """Return the header and the keys; every backup begins with them."""
     header, keys = None, dict[str, str]()
     for member, content in archive.members(source, lambda _: None):
         name = layout.key_of(member)
@@ -155,8 +156,8 @@ def _is_given(settings: Settings, name: str) -> bool:
     return bool(getattr(settings, name)) and not (settings.data / KEY_FILES[name]).exists()
 
 
-def _require_free_place(settings: Settings, *, force: bool) -> None:
-    """Refuse a place where a service runs; without `force`, also one where there is a service."""
+def _require_free_target(settings: Settings, *, force: bool) -> None:
+    """Refuse to replace a running service and, without `force`, also one that has stopped."""
     revision, newest = _revision(settings), schema.newest_revision()
     if not force and (revision is not None or _is_used(settings.data)):
         raise RestoreRefused(
@@ -172,10 +173,10 @@ def _require_free_place(settings: Settings, *, force: bool) -> None:
 
 
 def _revision(settings: Settings) -> str | None:
-    """Return the schema of the database, None of an empty one; refuse that of a running service."""
+    """Return the schema of the database, None if it is empty; refuse one that a worker uses."""
     file = make_url(settings.database_url).database or ""
     if settings.database_url.startswith("sqlite:") and not Path(file).exists():
-        return None  # to connect would make it
+        return None  # connecting would create the file
     database = Database(settings.database_url)
     try:
         with database.engine.connect() as connection:
@@ -224,11 +225,11 @@ def _unpack(connection: Connection, settings: Settings, source: Path, on_bytes: 
     """Fill the tables and write the files; the sums have been compared before."""
     rows, summary, deleted = Counter[str](), None, dict[str, float]()
     for member, content in archive.members(source, on_bytes):
-        table, place = layout.table_of(member), layout.place_of(member, settings.data)
+        table, path = layout.table_of(member), layout.path_of(member, settings.data)
         if table is not None:
             rows[table] += tables.load(connection, table, content.read())
-        elif place is not None:
-            _write(place, content)
+        elif path is not None:
+            _write(path, content)
         elif member == layout.DELETED:
             deleted = json.loads(content.read())
         elif member == layout.SUMMARY:
@@ -236,21 +237,21 @@ def _unpack(connection: Connection, settings: Settings, source: Path, on_bytes: 
     if summary is None or summary.rows != rows:
         raise ArchiveRejected(f"{source} has other rows than it says")
     tables.count_on(connection)
-    for run_id, at in deleted.items():
-        change = update(Run).where(Run.id == int(run_id))
-        connection.execute(change.values(data_deleted_at=at, data_bytes=0, data_measured=True))
+    for run_id, deleted_at in deleted.items():
+        values = {"data_deleted_at": deleted_at, "data_bytes": 0, "data_measured": True}
+        connection.execute(update(Run).where(Run.id == int(run_id)).values(values))
         retention.remove_files(settings, int(run_id))
     return summary
 
 
-def _write(place: Path, content: Content) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with open(os.open(place, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, MODE), "wb") as file:
+def _write(path: Path, content: Content) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, MODE), "wb") as file:
         file.writelines(content.parts())
 
 
-def _settle(settings: Settings, keys: dict[str, str], source: Path) -> None:
-    """Write the keys that do not come from the environment and the mark; let services start."""
+def _finish(settings: Settings, keys: dict[str, str], source: Path) -> None:
+    """Write the keys that the environment does not give and the mark; let services start."""
     for name, file in KEY_FILES.items():
         if not _is_given(settings, name):
             (settings.data / file).unlink(missing_ok=True)

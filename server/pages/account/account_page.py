@@ -1,4 +1,4 @@
-"""The account page with all its sections, one of which may say what went wrong."""
+"""The account page with all its sections, each of which may show an error."""
 
 from flask import g, render_template
 
@@ -10,15 +10,15 @@ from seamark.server.web.services import services
 
 
 def render(**errors: str) -> str:
-    """Return the page; `errors` has a sentence for a section: password, mail, identity, delete."""
-    with services().database.reading() as database:
-        text = authentication.session_text()
-        browsers = browser_sessions.of_account(database, g.viewer.user_id, text)
-        tokens = len(accounts.tokens(database, g.viewer.user_id))
-        user = accounts.person(database, g.viewer.name)
+    """Return the page; `errors` are sentences by section: password, mail, identity or delete."""
+    with services().database.reading() as session:
+        own_session = authentication.session_text()
+        browsers = browser_sessions.of_account(session, g.viewer.user_id, own_session)
+        tokens = len(accounts.tokens(session, g.viewer.user_id))
+        user = accounts.person(session, g.viewer.name)
         profile, has_password = profiles.of(user), user.password_hash is not None
-        identity = identities.of_account(database, user.id, services().settings.oidc_issuer)
-        mail = addresses.of_account(database, g.viewer.user_id)
+        identity = identities.of_account(session, user.id, services().settings.oidc_issuer)
+        mail = addresses.of_account(session, g.viewer.user_id)
     return render_template(
         "account/show.html",
         browsers=browsers,
@@ -39,7 +39,7 @@ def render(**errors: str) -> str:
 
 
 def notify_choices(chosen: int | None) -> list[tuple[int, str]]:
-    """Return how long a run may take before its end is worth an e-mail: minutes and label."""
+    """Return the choices of the shortest run whose end is e-mailed: minutes and label."""
     minutes = {*addresses.NOTIFY_MINUTES, *(() if chosen is None else (chosen,))}
     return [(each, _duration(each)) for each in sorted(minutes)]
 

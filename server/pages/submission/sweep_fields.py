@@ -1,4 +1,4 @@
-"""The sweep in the form of a run: the fields `sweep-0-name`, `sweep-0-values` and so on."""
+"""The sweep in the submission form: the fields `sweep-0-name`, `sweep-0-values` and so on."""
 
 import math
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ class Row:
 
 
 def read(posted: Mapping[str, str]) -> list[Axis]:
-    """Return the axes of a posted form; none if it is no sweep. Raises SubmissionRejected."""
+    """Return the axes of a posted form, [] if it is no sweep; raises SubmissionRejected."""
     rows = [row for row in _rows(posted) if row.name and row.values]
     return [read_axis(row.name, row.values) for row in rows]
 
@@ -35,7 +35,7 @@ def shown(
     *,
     fixed: bool = False,
 ) -> dict[str, Any]:
-    """Return what the template shows; with a `fixed` scenario no setting of it."""
+    """Return the variables of the template; a `fixed` scenario offers no axis over its settings."""
     declared: tuple[Parameter, ...] = ()
     if program is not None:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)

@@ -16,30 +16,30 @@ _log = structlog.get_logger()
 
 
 def cancel(
-    database: Database, redis: "Redis", run_id: int, *, not_owner: Actor | None = None
+    database: Database, redis: Redis, run_id: int, *, not_owner: Actor | None = None
 ) -> bool:
-    """Cancel a run and tell its viewers; False if it has already ended.
+    """Cancel a run; False if it has already ended.
 
-    The worker that has the run tells those of a running one.
+    Viewers of a queued run are notified here, those of a running one by its worker.
 
     Parameters
     ----------
     not_owner
-        Who cancels a run of somebody else, for the audit log.
+        The actor, for the audit log, if the run belongs to somebody else.
     """
     with database.writing() as session:
-        before = results.cancel(session, run_id)
-        if before is not None and not_owner is not None:
+        previous = results.cancel(session, run_id)
+        if previous is not None and not_owner is not None:
             audit.record(session, not_owner, AuditAction.RUN_CANCELLED, f"run {run_id}")
-    if before is RunState.QUEUED:
+    if previous is RunState.QUEUED:
         try:
             live_events.publish_state(redis, run_id, RunState.CANCELLED)
         except RedisError as error:  # open streams also poll the database, only less often
             _log.warning("state_not_published", run=run_id, error=str(error))
-    return before is not None
+    return previous is not None
 
 
-def cancel_sweep(database: Database, redis: "Redis", sweep_id: int) -> int:
+def cancel_sweep(database: Database, redis: Redis, sweep_id: int) -> int:
     """Cancel the runs of a sweep that have not ended; return how many."""
     with database.reading() as session:
         ids = sweeps.live_runs(session, sweep_id)

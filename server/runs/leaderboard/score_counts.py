@@ -1,10 +1,11 @@
-"""How many people have which score, counted in narrow classes.
+"""A histogram of the scores on each leaderboard: how many people are in which narrow class.
 
-A leaderboard may have a million rows. To rank one of them, all the others count; the classes are
-some thousands at most and are kept up to date with the rows, in the same transaction.
+A leaderboard may have a million rows, and the range of ranks of one row depends on all the others.
+There are some thousands of classes at most; they are updated with the rows, in one transaction.
 
-A class of scores is 1/256 of an octave wide, so 0.125 between 32 and 64 and 0.002 between 0.5 and
-1; a class of standard errors 1/2 of an octave. The ends of scores are exact in binary arithmetic.
+A class of scores is 1/256 of an octave wide: 0.125 between 32 and 64, 0.002 between 0.5 and 1. A
+class of standard errors is half an octave wide. The bounds of classes of scores are exact in binary
+arithmetic, so that Python and SQL put a score into the same class.
 """
 
 import math
@@ -20,13 +21,13 @@ from seamark.server.database.tables import Best
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.sim.numerics.arrays import Array
 
-SINGLE_ROWS = 2000  # up to this many people every row is compared, above it every class
+SINGLE_ROWS = 2000  # compare every row up to this many people, every class above
 CLASSES_PER_OCTAVE = 256
 LOWEST_EXPONENT, HIGHEST_EXPONENT = -10, 20  # scores below 2**-10, and negative ones: class 0
 ERRORS_PER_OCTAVE = 2
-UNKNOWN_ERROR = 1000
+UNKNOWN_ERROR = 1000  # class of scores without a standard error
 _HIGHEST_CLASS = (HIGHEST_EXPONENT - LOWEST_EXPONENT) * CLASSES_PER_OCTAVE + 1
-_LARGEST_ERROR_CLASS = 100
+_LARGEST_ERROR_CLASS = 100  # standard errors above 2**50 count as unknown
 
 Key = tuple[int, int, int]  # class of the score, class of the standard error, degrees of freedom
 
@@ -50,7 +51,7 @@ def lower_ends(classes: NDArray[np.int64]) -> Array:
 
 
 def error_class(standard_error: float | None) -> int:
-    """Return the class of a standard error."""
+    """Return the class of a standard error: at most 2**(class / ERRORS_PER_OCTAVE)."""
     if standard_error is None:
         return UNKNOWN_ERROR
     smallest = 2.0 ** (-_LARGEST_ERROR_CLASS / ERRORS_PER_OCTAVE)
@@ -65,11 +66,11 @@ def key_of(row: Estimate) -> Key:
 
 def change(session: Session, benchmark: str, key: Key, by: int) -> None:
     """Count one person more or less in a class. The caller holds the leaderboard's lock."""
-    this = _is(benchmark, key)
-    changed = update(ScoreCount).where(this).values(people=ScoreCount.people + by)
+    in_class = _in_class(benchmark, key)
+    changed = update(ScoreCount).where(in_class).values(people=ScoreCount.people + by)
     if session.scalar(changed.returning(ScoreCount.people)) is None:
         session.execute(insert(ScoreCount).values(_row(benchmark, key, by)))
-    session.execute(delete(ScoreCount).where(this, ScoreCount.people == 0))
+    session.execute(delete(ScoreCount).where(in_class, ScoreCount.people == 0))
 
 
 def replace_all(session: Session, counts: Counter[tuple[str, Key]]) -> None:
@@ -87,7 +88,7 @@ def size(session: Session, benchmark: str) -> int:
 
 
 def sizes(session: Session) -> dict[str, int]:
-    """Return the `size` of each leaderboard on which there is somebody."""
+    """Return the `size` of each leaderboard that has anybody on it."""
     people = select(ScoreCount.benchmark, func.sum(ScoreCount.people))
     return {
         name: int(count) for name, count in session.execute(people.group_by(ScoreCount.benchmark))
@@ -104,12 +105,12 @@ def at_or_above(
     score
         Of that row.
     not_below
-        The condition for rows of `best`; only those of the row's own class are compared.
+        Condition on rows of `best`: at or above that row. It decides within the row's own class.
     """
-    number = score_class(score)
-    low, high = lower_ends(np.array([number, number + 1])).tolist()
+    own_class = score_class(score)
+    low, high = lower_ends(np.array([own_class, own_class + 1])).tolist()
     higher = select(func.sum(ScoreCount.people)).where(
-        ScoreCount.benchmark == benchmark, ScoreCount.score_class > number
+        ScoreCount.benchmark == benchmark, ScoreCount.score_class > own_class
     )
     same = select(func.count()).where(
         Best.benchmark == benchmark, Best.score >= low, Best.score < high, ~Best.is_baseline
@@ -126,12 +127,12 @@ def population(session: Session, benchmark: str, *, single_rows: int = SINGLE_RO
     columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
     query = select(*columns, ScoreCount.people).where(ScoreCount.benchmark == benchmark)
     rows = np.array([tuple(row) for row in session.execute(query)], dtype=np.int64)
-    numbers, errors, degrees, people = rows.T
-    largest = np.exp2(errors / ERRORS_PER_OCTAVE)
+    score_classes, error_classes, degrees, people = rows.T
+    largest_errors = np.exp2(error_classes / ERRORS_PER_OCTAVE)
     return Population(
-        low=lower_ends(numbers),
-        high=lower_ends(numbers + 1),
-        standard_error=np.where(errors == UNKNOWN_ERROR, math.inf, largest),
+        low=lower_ends(score_classes),
+        high=lower_ends(score_classes + 1),
+        standard_error=np.where(error_classes == UNKNOWN_ERROR, math.inf, largest_errors),
         degrees=degrees.astype(float),
         people=people,
     )
@@ -155,11 +156,11 @@ def _row(benchmark: str, key: Key, people: int) -> dict[str, str | int]:
     return {"benchmark": benchmark, **dict(zip(columns, key, strict=True)), "people": people}
 
 
-def _is(benchmark: str, key: Key) -> ColumnElement[bool]:
-    number, error, degrees = key
+def _in_class(benchmark: str, key: Key) -> ColumnElement[bool]:
+    score, error, degrees = key
     return and_(
         ScoreCount.benchmark == benchmark,
-        ScoreCount.score_class == number,
+        ScoreCount.score_class == score,
         ScoreCount.error_class == error,
         ScoreCount.degrees == degrees,
     )

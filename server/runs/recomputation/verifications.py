@@ -1,15 +1,16 @@
 """Evaluating published ranked runs again in fresh water, to see whether their scores hold.
 
 A verification is a hidden run (rejudged.py) with the program and the configuration of the published
-one, and another draw of fresh water. Nobody knows that water before, and nobody sees it after.
+one and newly drawn fresh seeds. Their water is unknown beforehand and is not shown afterwards.
 
 The scores agree unless they differ significantly: by Welch's t test at the level `ALPHA`, between
-the fresh trials of both. So of programs that are as good in new water as in that of their published
-run, 1 in 100 is marked as different by chance. docs/publishing.md explains it for users.
+the fresh trials of both. So 1 in 100 programs that are as good in new water as in that of their
+published run is marked as different by chance. docs/publishing.md explains it for users.
 
-Nobody may be able to avoid a bad mark: one that knows it is doing badly in the fresh water could
-stop the simulation, and one that knew the water of its published run could do well in a part of it
-alone, so that its score is high and every other score is within its spread.
+A program must not be able to avoid a bad mark in either of two ways: by stopping the simulation
+when it does badly (so an invalid state counts as a failure, `_says_nothing`), and by doing well in
+only a part of its published water, if it knew that, which gives a high score with so large a spread
+that every other score agrees with it (so the spread is limited, `SPREAD_MAX`).
 """
 
 import math
@@ -40,20 +41,20 @@ from seamark.sim.numerics.statistics import welch_degrees
 from seamark.sim.numerics.student_t import quantile
 
 ALPHA = 0.01  # probability that a score which holds is called different
-SPREAD_MAX = 2.0  # of the published score, in standard errors of the fresh one, where it is better
+SPREAD_MAX = 2.0  # largest published standard error in the lower margin, in fresh ones
 BROKEN_MAX = 3  # verifications of a run that the service may break before its owner has to ask
 
 
 class VerificationRefused(Exception):
-    """A run cannot be verified now. The text is for who asked."""
+    """A run cannot be verified now. The text is shown to the user."""
 
 
 class Outcome(StrEnum):
-    """What a verification found."""
+    """The result of a verification."""
 
     AGREES = "agrees"
     DIFFERS = "differs"
-    FAILED = "failed"  # the program did, in the fresh water
+    FAILED = "failed"  # the program failed in the fresh water
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,18 +74,18 @@ class VerificationView:
 
 
 def request(session: Session, run_id: int, settings: Settings, *, repeat: bool = False) -> int:
-    """Queue a verification of a published run, behind all runs of users; return its hidden run.
+    """Queue a verification of a published run, after all runs of users; return its hidden run's id.
 
     Parameters
     ----------
     repeat
-        Also if this version has verified it already. Otherwise whoever does not like the result
-        could ask until chance gives a better one.
+        Also if this version has verified it already: for admins only, since owners could ask until
+        chance gives a result that they like.
 
     Raises
     ------
     VerificationRefused
-        It is no entry that can be verified, is being verified, or has been.
+        The run cannot be verified, is being verified, or has been.
     StorageUnavailable
         There is no room for what it may record, or the data folder is away.
     """
@@ -99,18 +100,18 @@ def request(session: Session, run_id: int, settings: Settings, *, repeat: bool =
     broken = session.scalar(done.where(Verification.ended_at.is_(None))) or 0
     if not repeat and broken >= BROKEN_MAX:
         raise VerificationRefused(f"{broken} verifications of this run broke: ask an admin.")
-    number = (session.scalar(done) or 0) + 1
-    again = rejudged.enqueue(session, run, VERIFICATIONS, settings, draw=number)
+    draw = (session.scalar(done) or 0) + 1
+    hidden = rejudged.enqueue(session, run, VERIFICATIONS, settings, draw=draw)
     session.flush()
-    session.add(Verification(again_id=again.id, run_id=run_id, requested_at=time.time()))
+    session.add(Verification(again_id=hidden.id, run_id=run_id, requested_at=time.time()))
     turns.refresh(session, VERIFICATIONS)
-    return again.id
+    return hidden.id
 
 
 def request_first(session: Session, settings: Settings) -> list[int]:
     """Queue verifications of the first `verify_top` entries of each leaderboard; return the runs.
 
-    An entry that was verified, or of which a verification broke, is left to its owner.
+    Entries that have a verification already, even one that broke, are left to their owners.
     """
     queued: list[int] = []
     for name in registry.BENCHMARKS if settings.verify_top else ():
@@ -124,7 +125,7 @@ def request_first(session: Session, settings: Settings) -> list[int]:
 
 
 def record(session: Session, run_id: int) -> None:
-    """Store what a verification found, when its hidden run ends; unless the service failed."""
+    """Store the result of a verification when its hidden run ends, unless the service failed."""
     row = session.get(Verification, run_id)
     run = session.get_one(Run, run_id)
     if row is None or _says_nothing(run):
@@ -140,8 +141,8 @@ def record(session: Session, run_id: int) -> None:
 def _says_nothing(run: Run) -> bool:
     """Return whether a verification ended because of the service or an outdated configuration.
 
-    A simulation that reached an invalid state did so because of what the program ordered: it did
-    not in the published run.
+    A simulation that reached an invalid state did so because of the program's commands: the
+    published run did not reach one.
     """
     if run.cause == FailureReason.BENCHMARK_ERROR:
         return not run.t_simulated
@@ -154,8 +155,8 @@ def of_run(session: Session, run_id: int) -> list[VerificationView]:
 
 
 def newest(session: Session, run_ids: Collection[int]) -> Mapping[int, VerificationView]:
-    """Return the newest verification of each of some runs that has one."""
-    return {run_id: found[0] for run_id, found in _views(session, run_ids).items()}
+    """Return the newest verification of each run that has one."""
+    return {run_id: views[0] for run_id, views in _views(session, run_ids).items()}
 
 
 def is_pending(session: Session, run_id: int) -> bool:
@@ -166,7 +167,7 @@ def is_pending(session: Session, run_id: int) -> bool:
 
 
 def agree(published: Estimate, again: Estimate) -> bool:
-    """Return whether two scores differ by no more than chance allows, or it is unknown."""
+    """Return whether two scores differ by no more than chance allows; True if that is unknown."""
     margins = _margins(published, again)
     return margins is None or -margins[0] <= again.score - published.score <= margins[1]
 
@@ -181,12 +182,12 @@ def _views(session: Session, run_ids: Collection[int]) -> dict[int, list[Verific
         .order_by(Verification.again_id.desc())
     )
     by_run = dict[int, list[VerificationView]]()
-    for row, benchmark, score, *known in session.execute(query):
-        error: tuple[float | None, int] = known[0], int(known[1] or 0)
-        if known[1] is None:  # it has no row on the leaderboard, for which both are kept
+    for row, benchmark, score, best_error, best_degrees in session.execute(query):
+        error, degrees = best_error, best_degrees
+        if degrees is None:  # the run is not on the leaderboard, which stores both
             metrics = session.scalar(select(Result.metrics).where(Result.run_id == row.run_id))
-            error = error_of_score(benchmark, metrics)
-        published = Estimate(score=score or 0.0, standard_error=error[0], degrees=error[1])
+            error, degrees = error_of_score(benchmark, metrics)
+        published = Estimate(score=score or 0.0, standard_error=error, degrees=degrees)
         by_run.setdefault(row.run_id, []).append(_view(row, published))
     return by_run
 
@@ -214,7 +215,7 @@ def _view(row: Verification, published: Estimate) -> VerificationView:
 
 
 def _margins(published: Estimate, again: Estimate) -> tuple[float, float] | None:
-    """Return by how much less and more than the published score agrees; None if it is unknown."""
+    """Return how far below and above the published score another agrees; None if it is unknown."""
     if published.standard_error is None or again.standard_error is None:
         return None
     spread = min(published.standard_error, SPREAD_MAX * again.standard_error)

@@ -50,12 +50,15 @@ def test_a_target_out_of_the_image_is_lost_and_found_where_it_was(
 
 
 @pytest.mark.parametrize(("name", "limit_px"), [("klt", 1.5), ("ecc", 0.1)])
-def test_six_pixels_an_image_are_not_too_fast(brisk: Sequence, name: str, limit_px: float) -> None:
+def test_a_target_that_moves_six_pixels_an_image_is_followed(
+    brisk: Sequence, name: str, limit_px: float
+) -> None:
     errors, sure = brisk.follow(make(name))
 
     assert brisk.fastest() > 6.0
     assert sure.all()
-    assert np.sqrt((errors[1:] ** 2).mean()) < limit_px  # at the first the motion is unknown
+    later = errors[1:]  # the motion is not known yet at the first image
+    assert np.sqrt((later**2).mean()) < limit_px
 
 
 def test_ecc_errs_by_hundredths_of_a_pixel(short: Sequence) -> None:
@@ -104,13 +107,13 @@ def test_the_box_of_csrt_grows_with_the_target_and_that_of_kcf_does_not(short: S
 @pytest.mark.parametrize("name", ["ecc", "klt", "kcf", "csrt"])
 def test_the_number_of_threads_changes_nothing(brief: Sequence, name: str) -> None:
     before = cv2.getNumThreads()
-    found = []
+    errors = []
     for threads in (1, 4):
         cv2.setNumThreads(threads)
-        found.append(brief.follow(make(name))[0])
+        errors.append(brief.follow(make(name))[0])
     cv2.setNumThreads(before)
 
-    assert np.array_equal(*found)
+    assert np.array_equal(*errors)
 
 
 @pytest.mark.parametrize(("name", "warp"), [("klt", "rt"), ("klt", "translation"), ("ecc", "srt")])
@@ -120,14 +123,14 @@ def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, 
 
 
 @pytest.mark.parametrize("name", ["klt", "ecc", "kcf", "csrt", "box"])
-def test_one_tracker_twice_says_the_same(short: Sequence, name: str) -> None:
+def test_a_tracker_that_starts_again_makes_the_same_errors(short: Sequence, name: str) -> None:
     first, second = (short.follow(make(name))[0] for _ in range(2))
 
     assert np.array_equal(first, second)
 
 
 @pytest.mark.parametrize("name", AVAILABLE)
-def test_who_depends_on_the_processor_says_so_in_form_and_configuration(name: str) -> None:
+def test_form_and_configuration_name_trackers_that_depend_on_the_processor(name: str) -> None:
     currents = benchmark("currents-v1")
     labels = currents.configuration.model_fields["tracker"].json_schema_extra["x-labels"]
 

@@ -10,21 +10,18 @@ import { listen, RowFeed } from "./live.js";
 /** @type {PlayerData} */
 const data = dataOf("run-data");
 /** @type {(name: string) => HTMLElement | null} */
-const part = (name) => maybe(document, `[data-${name}]`, HTMLElement);
+const element = (name) => maybe(document, `[data-${name}]`, HTMLElement);
 const player = new Player(need(document, "[data-player]", HTMLElement), data);
 const feed = new RowFeed(player);
 const curves = all(document, "[data-curve-plot]", HTMLElement).map((box) => new Curve(box));
 let refreshing = 0;
 let estimate = newEstimate();
+let logHasGap = false; // a program that prints a lot is not shown completely while it runs
 
 function newEstimate() {
-  return new Estimate(Number.parseFloat(part("progress")?.dataset.left ?? ""));
+  return new Estimate(Number.parseFloat(element("progress")?.dataset.left ?? ""));
 }
 
-/**
- * @param {string} name
- * @param {string} text
- */
 /**
  * @param {string} name
  * @param {string} text
@@ -34,20 +31,20 @@ function writeText(name, text) {
 }
 
 /**
- * A state that was published knows only that the run waits; one that was read says also how long and why.
+ * A state event only says that the run waits; a state read from the database also says how long and why.
  * @param {RunState} state
  */
-function showQueue({ position, estimate_s: left, why_waiting: why }) {
+function showQueue({ position, estimate_s: remaining, why_waiting: why }) {
   if (!position) return;
-  const place = position === 1 ? "next" : `number ${position}`;
-  const expected = typeof left === "number" ? ` It should end in about ${about(left)}.` : "";
-  writeText("state-sentence", `This run is ${place} in the queue.${expected} ${why ?? ""}`.trim());
+  const ordinal = position === 1 ? "next" : `number ${position}`;
+  const expected = typeof remaining === "number" ? ` It should end in about ${about(remaining)}.` : "";
+  writeText("state-sentence", `This run is ${ordinal} in the queue.${expected} ${why ?? ""}`.trim());
 }
 
 /** @param {RunState} state */
 function showState(state) {
   if (state.viewers) player.camera.viewers = state.viewers;
-  const badge = part("state-badge")?.firstElementChild;
+  const badge = element("state-badge")?.firstElementChild;
   if (badge && !badge.classList.contains(state.state)) {
     refresh(); // the server renders the new state: the reason of a failure, the actions
     return;
@@ -67,8 +64,8 @@ function showProgress(progress, simulated) {
   bar.value = progress;
   writeText("progress-text", `${Math.round(progress * 100)} %`);
   if (typeof simulated === "number") writeText("simulated", duration(simulated));
-  const left = estimate.update(progress, performance.now() / 1000);
-  if (left > 1) writeText("state-sentence", `Running, about ${about(left)} left.`);
+  const remaining = estimate.update(progress, performance.now() / 1000);
+  if (remaining > 1) writeText("state-sentence", `Running, about ${about(remaining)} left.`);
 }
 
 /**
@@ -76,13 +73,13 @@ function showProgress(progress, simulated) {
  * @param {number[]} row
  */
 function showTelemetryProgress(columns, row) {
-  const at = row[columns.indexOf("trial")] * data.trial_s + row[columns.indexOf("t")];
-  showProgress(at / (data.trials * data.trial_s), at);
+  const simulated = row[columns.indexOf("trial")] * data.trial_s + row[columns.indexOf("t")];
+  showProgress(simulated / (data.trials * data.trial_s), simulated);
 }
 
 /** @param {string} text */
 function appendLog(text) {
-  const log = part("log");
+  const log = element("log");
   if (!log || !text) return;
   const atEnd = log.scrollTop + log.clientHeight >= log.scrollHeight - 20;
   log.append(text);
@@ -96,8 +93,8 @@ function showEndOfLog() {
 }
 
 /**
- * Replaces the parts rendered by the server with those of a fresh copy of this page: all, or those
- * whose names begin alike.
+ * Replaces the parts rendered by the server (`data-part`) with those of a fresh copy of this page: all,
+ * or only those whose names begin with `only`.
  * @param {string | null} [only]
  */
 async function refresh(only = null) {
@@ -126,7 +123,7 @@ let curveScheduled = false;
 
 /** @param {number} newest */
 function followLevel(newest) {
-  if (newest === level || !part("curve-plot")) return;
+  if (newest === level || !element("curve-plot")) return;
   const first = level === null;
   level = newest;
   if (first || curveScheduled) return;
@@ -163,14 +160,11 @@ function follow() {
   });
 }
 
-// A program that prints a lot is not shown completely while it runs.
-let logHasGap = false;
-
 async function loadLog() {
   const response = await fetch(`${data.api}/log`, { credentials: "same-origin" });
   if (!response.ok) return;
-  const log = part("log");
-  if (!log) return; // it failed: the page shows the last lines beside the cause
+  const log = element("log");
+  if (!log) return; // of a failed run the page shows only the last lines, beside the cause
   log.textContent = "";
   appendLog(await response.text());
 }

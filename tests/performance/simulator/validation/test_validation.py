@@ -56,14 +56,15 @@ def test_the_page_has_all_six_facts() -> None:
 
 
 def test_every_source_of_a_measurement_is_on_the_page() -> None:
-    assert [one.name for one in published.SOURCES if one.text() not in PAGE] == []
+    missing = [source.name for source in published.SOURCES if source.text() not in PAGE]
+
+    assert missing == []
 
 
 @pytest.mark.parametrize("module", [thrust_tests, drag_tests])
 def test_the_page_has_the_present_comparison_with_measurements(module: ModuleType) -> None:
-    missing = [
-        one.what for one in module.comparisons() if f"| {' | '.join(one.cells())} |" not in PAGE
-    ]
+    comparisons = [(each.what, " | ".join(each.cells())) for each in module.comparisons()]
+    missing = [what for what, cells in comparisons if f"| {cells} |" not in PAGE]
 
     assert missing == []
 
@@ -73,10 +74,10 @@ def test_every_measurement_not_found_is_named() -> None:
 
 
 def test_the_error_is_relative_to_the_measurement() -> None:
-    one = published.Comparison("drag", 150.0, 100.0, "N", published.LI)
+    comparison = published.Comparison("drag", 150.0, 100.0, "N", published.LI)
 
-    assert one.error_percent == pytest.approx(50.0)
-    assert one.cells()[4] == "+50"
+    assert comparison.error_percent == pytest.approx(50.0)
+    assert comparison.cells()[4] == "+50"
 
 
 def test_with_the_published_pull_the_vehicle_pulls_as_published() -> None:
@@ -109,10 +110,10 @@ def test_the_dvl_of_the_first_version_has_no_bias_and_that_of_the_second_one_has
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_closed_form_is_met_within_half_a_percent(name: str) -> None:
-    found = analytic.cases(name)
+    cases = analytic.cases(name)
 
-    assert len(found) > 10
-    assert {case.what: case.error_percent for case in found if case.error_percent > 0.5} == {}
+    assert len(cases) > 10
+    assert {case.what: case.error_percent for case in cases if case.error_percent > 0.5} == {}
 
 
 def test_terminal_speed_solves_the_balance_of_drag_and_thrust() -> None:
@@ -145,10 +146,10 @@ def test_with_smooth_forces_the_plant_converges_with_the_fourth_order() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_minute_of_free_motion_agrees_with_the_reference(name: str) -> None:
-    found = independent.difference(name, force=False)
+    difference = independent.difference(name, force=False)
 
-    assert found.travelled_m > 1.0
-    assert found.position_mm < 1e-3
+    assert difference.travelled_m > 1.0
+    assert difference.position_mm < 1e-3
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -172,11 +173,10 @@ def test_the_rectangle_around_the_box_is_the_top_face_for_a_camera_above_it() ->
 
 
 def test_the_parallax_of_the_origin_is_that_of_the_visibility_view() -> None:
+    pixels = offset.projected(np.eye(3), np.array([0.0, 0.0, -1.0]), CURRENTS.focal_px)
+
     assert np.abs(offset.visibility_parallax()) == pytest.approx([4.77, 2.09], abs=0.01)
-    assert offset.projected(np.eye(3), np.array([0.0, 0.0, -1.0]), CURRENTS.focal_px).shape == (
-        3,
-        2,
-    )
+    assert pixels.shape == (3, 2)
 
 
 def test_columns_that_differ_in_one_bit_are_named() -> None:
@@ -199,12 +199,9 @@ def test_late_rms_counts_the_end_of_its_own_level_alone() -> None:
 
 
 def test_a_rounding_error_is_given_as_the_power_of_ten_above_it() -> None:
-    assert [below(3.0e-5), below(9.9e-6), below(1.1e-5), below(0.0)] == [
-        "< 1e-04",
-        "< 1e-05",
-        "< 1e-04",
-        "0",
-    ]
+    texts = [below(error) for error in (3.0e-5, 9.9e-6, 1.1e-5, 0.0)]
+
+    assert texts == ["< 1e-04", "< 1e-05", "< 1e-04", "0"]
 
 
 def test_cells_with_bars_do_not_break_a_table() -> None:

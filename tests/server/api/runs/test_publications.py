@@ -1,3 +1,5 @@
+"""Publications over the API: terms, documents, withdrawal and verification."""
+
 import io
 import zipfile
 from typing import Any
@@ -9,7 +11,8 @@ from seamark.server.runs.publication import publications
 from tests.server.api.conftest import Site
 
 RUNS = "/api/v1/runs"
-DOCUMENTS = ("publication", "citation.bib", "citation.cff", "badge.svg")
+CITING = ("citation.bib", "citation.cff", "badge.svg")
+DOCUMENTS = ("publication", *CITING)
 
 
 def test_a_run_is_published_revealed_and_described_with_its_terms(site: Site) -> None:
@@ -50,20 +53,22 @@ def test_impossible_terms_are_refused(site: Site, body: dict[str, Any]) -> None:
     assert not site.show(run_id).public
 
 
-def test_of_results_alone_strangers_get_the_telemetry_but_neither_program_nor_log(
+def test_of_results_alone_other_users_get_the_telemetry_but_neither_program_nor_log(
     site: Site,
 ) -> None:
     run_id = site.publish(site.recorded(), program=False)
     paths = ("telemetry.csv", "citation.bib", "program", "log")
 
-    statuses = [site.call("other", "GET", f"{RUNS}/{run_id}/{p}").status_code for p in paths]
-    again = site.call("other", "POST", f"{RUNS}/{run_id}/rerun")
+    statuses = [site.call("other", "GET", f"{RUNS}/{run_id}/{path}").status_code for path in paths]
+    rerun = site.call("other", "POST", f"{RUNS}/{run_id}/rerun")
 
     assert statuses == [200, 200, 403, 403]
-    assert again.status_code == 403
+    assert rerun.status_code == 403
 
 
-def test_a_withdrawn_publication_is_gone_and_was_not_never_there(site: Site) -> None:
+def test_a_withdrawn_publication_is_said_to_be_gone_not_unknown(
+    site: Site,
+) -> None:
     run_id = site.publish(site.recorded())
     with site.database.writing() as session:
         publications.withdraw(session, run_id)
@@ -77,13 +82,10 @@ def test_a_withdrawn_publication_is_gone_and_was_not_never_there(site: Site) -> 
 def test_a_badge_shows_score_and_rank_and_other_sites_may_show_and_keep_it(site: Site) -> None:
     run_id = site.publish(site.recorded(kind="ranked"))
 
-    answer = site.call("guest", "GET", f"{RUNS}/{run_id}/badge.svg")
-    again = site.call(
-        "guest",
-        "GET",
-        f"{RUNS}/{run_id}/badge.svg",
-        headers={"If-None-Match": answer.headers["ETag"]},
-    )
+    path = f"{RUNS}/{run_id}/badge.svg"
+
+    answer = site.call("guest", "GET", path)
+    again = site.call("guest", "GET", path, headers={"If-None-Match": answer.headers["ETag"]})
 
     assert "50.00" in answer.text
     assert "rank 1 of 1" in answer.text
@@ -97,26 +99,19 @@ def test_of_a_practice_run_badge_and_citations_say_what_it_is_and_where(site: Si
     run_id = site.publish(site.recorded(config=config))
     words = "changed scenario with 2 of 5 levels of 60 s, 1 trial"
 
-    found = {
-        name: site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text
-        for name in ("badge.svg", "citation.bib", "citation.cff")
-    }
+    texts = {name: site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text for name in CITING}
 
-    assert all(f"ractice, {words}" in text for text in found.values())
-    assert all(
-        f"http://localhost/p/{run_id}" in found[f"citation.{kind}"] for kind in ("bib", "cff")
-    )
+    assert all(f"ractice, {words}" in text for text in texts.values())  # it may begin a sentence
+    assert f"http://localhost/p/{run_id}" in texts["citation.bib"]
+    assert f"http://localhost/p/{run_id}" in texts["citation.cff"]
 
 
-def test_a_ranked_run_stays_plain(site: Site) -> None:
+def test_badge_and_citations_of_a_ranked_run_do_not_mention_practice_or_trials(site: Site) -> None:
     run_id = site.publish(site.recorded(kind="ranked"))
 
-    found = [
-        site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text
-        for name in ("badge.svg", "citation.bib", "citation.cff")
-    ]
+    texts = [site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text for name in CITING]
 
-    assert not any(word in text.lower() for text in found for word in ("practice", "trial"))
+    assert not any(word in text.lower() for text in texts for word in ("practice", "trial"))
 
 
 def test_the_archive_of_a_public_run_is_ready_to_be_cited_and_deposited(site: Site) -> None:
@@ -126,27 +121,26 @@ def test_the_archive_of_a_public_run_is_ready_to_be_cited_and_deposited(site: Si
 
     with zipfile.ZipFile(io.BytesIO(archive)) as read:
         names = {name.rpartition("/")[2]: name for name in read.namelist()}
-        assert {"CITATION.cff", "citation.bib", ".zenodo.json", "LICENSE", "README.md"} <= set(
-            names
-        )
+        wanted = {"CITATION.cff", "citation.bib", ".zenodo.json", "LICENSE", "README.md"}
+        assert wanted <= names.keys()
         cited = yaml.safe_load(read.read(names["CITATION.cff"]))
         assert b"SPDX-License-Identifier: MIT" in read.read(names["LICENSE"])
     assert cited["authors"] == [{"name": "ann"}]
 
 
-def test_owners_have_a_published_entry_verified_once_and_admins_again(site: Site) -> None:
+def test_an_owner_may_have_a_published_entry_verified_once_and_an_admin_again(site: Site) -> None:
     run_id = site.publish(site.recorded(kind="ranked"))
     path = f"{RUNS}/{run_id}/verify"
 
-    by = [site.call(who, "POST", path).status_code for who in ("other", "owner", "owner")]
+    statuses = [site.call(who, "POST", path).status_code for who in ("other", "owner", "owner")]
     site.finish(site.claim_next(), score=51.0)
-    by += [site.call(who, "POST", path).status_code for who in ("owner", "admin")]
-    found = site.call("guest", "GET", f"{RUNS}/{run_id}/publication").get_json()
+    statuses += [site.call(who, "POST", path).status_code for who in ("owner", "admin")]
+    publication = site.call("guest", "GET", f"{RUNS}/{run_id}/publication").get_json()
     board = site.call("guest", "GET", "/api/v1/leaderboards/currents-v1").get_json()
     table = site.call("guest", "GET", "/api/v1/leaderboards/currents-v1?format=csv").text
 
-    assert by == [403, 202, 409, 409, 202]
-    assert found["verification_pending"]
-    assert [each["outcome"] for each in found["verifications"]] == ["agrees"]
+    assert statuses == [403, 202, 409, 409, 202]
+    assert publication["verification_pending"]
+    assert [each["outcome"] for each in publication["verifications"]] == ["agrees"]
     assert board["ranks"][0]["verification"]["digest"] == "0" * 64
     assert "agrees" in table

@@ -1,6 +1,7 @@
-"""The chart of a sweep: what its axes say, and whether the best point lies at an edge."""
+"""The chart of a sweep: the ticks of its axes, and the warning if the best point is at an edge."""
 
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -53,14 +54,14 @@ def test_ticks_are_few_round_numbers_whatever_the_values_are() -> None:
 
 
 def test_values_over_several_powers_of_ten_have_a_logarithmic_axis() -> None:
-    below, _beside = labels(swept((0.001, 0.01, 0.1, 1.0), (1.0, 2.0, 3.0, 4.0)))
-    chart = sweep_chart.curve(swept((0.001, 0.01, 0.1, 1.0), (1.0, 2.0, 3.0, 4.0)))
+    sweep = swept((0.001, 0.01, 0.1, 1.0), (1.0, 2.0, 3.0, 4.0))
+
+    below, _beside = labels(sweep)
+    chart = sweep_chart.curve(sweep)
 
     assert below == ["0.001", "0.01", "0.1", "1"]
     assert chart is not None
-    steps = [
-        after.x - before.x for before, after in zip(chart.points, chart.points[1:], strict=False)
-    ]
+    steps = [after.x - before.x for before, after in pairwise(chart.points)]
     assert steps == pytest.approx([steps[0]] * 3)
 
 
@@ -103,15 +104,14 @@ def test_the_best_point_at_an_edge_says_where_to_extend_the_sweep(
 
 @pytest.mark.parametrize(("limit", "scores"), [("maximum", (1.0, 3.0)), ("minimum", (3.0, 1.0))])
 def test_there_is_no_warning_where_the_setting_ends(limit: str, scores: tuple[float, ...]) -> None:
-    ends = {"maximum": 0.6, "minimum": 0.2}
+    sweep = swept((0.2, 0.6), scores)
+    gain = GAIN | {limit: {"maximum": 0.6, "minimum": 0.2}[limit]}
 
-    assert (
-        sweep_edges.warnings(swept((0.2, 0.6), scores), {"kp": GAIN | {limit: ends[limit]}}) == []
-    )
+    assert sweep_edges.warnings(sweep, {"kp": gain}) == []
 
 
 def test_a_sweep_without_a_score_has_no_best_point_at_an_edge() -> None:
     sweep = swept((0.2, 0.4), (1.0, 2.0))
-    none = tuple(replace(cell, run=None) for cell in sweep.cells)
+    unscored = tuple(replace(cell, run=None) for cell in sweep.cells)
 
-    assert sweep_edges.warnings(replace(sweep, cells=none), {"kp": GAIN}) == []
+    assert sweep_edges.warnings(replace(sweep, cells=unscored), {"kp": GAIN}) == []
