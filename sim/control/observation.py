@@ -1,4 +1,4 @@
-"""What the user's program sees at each control step, and how it is packed into numbers.
+"""The observation that a program gets at each control step, and how it is packed into numbers.
 
 The layout is data: the simulator packs by it and the sandbox unpacks by it, in every language.
 Ground truth is never part of an observation.
@@ -42,11 +42,11 @@ COMMAND = ("surge", "sway", "heave", "yaw_rate")
 def layout(vehicle: str) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values."""
     thrusters = len(load(vehicle).thrusters)
-    pack_curve = [
+    fields = [
         [name, thrusters if count == PER_THRUSTER else count]
         for name, count, _unit, _meaning in FIELDS
     ]
-    return {"observation": pack_curve, "command": list(COMMAND), "booleans": list(BOOLEANS)}
+    return {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
 
 
 def _starts() -> dict[str, int]:
@@ -58,8 +58,8 @@ def _starts() -> dict[str, int]:
 
 
 STARTS = _starts()  # name -> index of its first number
-# name -> index of a single number, or where a vector is; the one of the thrusters goes to the end
-_WHERE: dict[str, int | slice] = {
+# name -> index of a single number, or slice of a vector; that of the thrusters goes to the end
+_POSITIONS: dict[str, int | slice] = {
     name: slice(STARTS[name], None if count == PER_THRUSTER else STARTS[name] + count)
     if count
     else STARTS[name]
@@ -76,8 +76,8 @@ class Observation(Mapping[str, Any]):
     """One observation by name: `observation.error` and `observation["error"]` are the same.
 
     Numbers are floats, vectors are read-only arrays of float64, the fields in BOOLEANS are bool.
-    `thrust` has one number per thruster of the vehicle. It has its own copy of the numbers, so it
-    may be kept.
+    `thrust` has one number per thruster of the vehicle. It copies the numbers, so that a
+    program may keep it.
     """
 
     __slots__ = ("_numbers",)
@@ -88,7 +88,7 @@ class Observation(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:  # float, bool or array, by the layout
         """Return a field by its name."""
-        field = _WHERE[name]
+        field = _POSITIONS[name]
         if isinstance(field, slice):
             return self._numbers[field]
         value = self._numbers.item(field)
@@ -103,8 +103,8 @@ class Observation(Mapping[str, Any]):
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names in the order of the layout."""
-        return iter(_WHERE)
+        return iter(_POSITIONS)
 
     def __len__(self) -> int:
         """Return the number of fields."""
-        return len(_WHERE)
+        return len(_POSITIONS)

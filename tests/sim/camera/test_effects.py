@@ -138,8 +138,8 @@ def test_snow_is_as_dense_as_stated(density: float, seed: int) -> None:
     flakes = sum(flake_count(i, j, k, density, seed) for i, j, k in cubes)
 
     volume = len(cubes) * CUBE_M**3
-    interpolate_nodes = 4 * np.sqrt(len(cubes) / 4)  # every cube rounds up or down
-    assert flakes == pytest.approx(density * volume, abs=interpolate_nodes)
+    spread = 4 * np.sqrt(len(cubes) / 4)  # every cube rounds up or down
+    assert flakes == pytest.approx(density * volume, abs=spread)
 
 
 def test_snow_drifts_from_frame_to_frame_without_changing() -> None:
