@@ -94,6 +94,6 @@ def _inside(a: float, b: float) -> float:
     """Return how far inside the outline a point is, in half lengths; negative outside."""
     q = np.sqrt((a - 0.2) * (a - 0.2) / 0.64 + b * b / (SLENDER * SLENDER))
     body = (1.0 - q) * SLENDER
-    interpolate_nodes = 0.06 + 0.45 * max(-a - 0.5, 0.0)  # the tail widens backwards
-    tail = min(a + 1.0, -0.4 - a, interpolate_nodes - abs(b))
+    half_width = 0.06 + 0.45 * max(-a - 0.5, 0.0)  # the tail widens backwards
+    tail = min(a + 1.0, -0.4 - a, half_width - abs(b))
     return float(max(body, tail))
