@@ -68,7 +68,7 @@ def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visito
     differing = page.get_by_role("region", name="Table of settings that differ").locator("tr")
 
     expect(differing).to_have_count(2)  # program, seed, levels and the others are the same
-    expect(differing.nth(0)).to_contain_text("".join(f"#{number}" for number in numbers))
+    expect(differing.nth(0)).to_contain_text(" ".join(f"#{number}" for number in numbers))
     expect(differing.nth(1)).to_contain_text(re.compile(r"Kp \[1/s\].*0\.30\.70\.9$"))
     assert len(set(page.locator(".compared-score strong").all_inner_texts())) == 4
     assert (visitor.errors, visitor.violations()) == ([], [])

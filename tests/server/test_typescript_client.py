@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-CLIENT = ROOT / "performance" / "typescript_client"
+CLIENT = ROOT / "performance" / "interoperability" / "typescript_client"
 GUIDE = (ROOT / "docs" / "typescript-client.md").read_text("utf-8")
 
 

@@ -61,11 +61,21 @@ def enter_copy(folder: Path, attack: Path) -> None:
     for name in ("tmp", "dev/shm"):
         mount("tmpfs", root / name, "tmpfs", 0, "size=256m,mode=1777")
         (root / name / "left-by-another").write_text("do you read me")
+        uncover(name, root)
     old = root / "mnt"
     if LIBC.syscall(PIVOT_ROOT, str(root).encode(), str(old).encode()) != 0:
         raise OSError(ctypes.get_errno(), "pivot_root")
     os.chdir("/")
     LIBC.umount2(b"/mnt", MNT_DETACH)
+
+
+def uncover(name: str, root: Path) -> None:
+    """Show the interpreter and this checkout again where they are below a folder that is new."""
+    for needed in {Path(sys.executable).parents[1], Path(__file__).resolve().parents[3]}:
+        if needed.is_relative_to(f"/{name}"):
+            shown = root / needed.relative_to("/")
+            shown.mkdir(parents=True, exist_ok=True)
+            mount(str(needed), shown, "", MS_BIND | MS_REC)
 
 
 def make_devices(folder: Path) -> None:

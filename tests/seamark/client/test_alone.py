@@ -142,7 +142,7 @@ def test_its_sources_are_for_python_3_10_and_newer(tmp_path: Path) -> None:
         "solutions",
         "extras",
         "results",
-        "drafts",
+        "output_folder",
     )
     shared += ("console", "run_summary", "server_answers", "comparison_tables")
     sources += [str(SEAMARK / "cli" / f"{name}.py") for name in shared]

@@ -64,7 +64,7 @@ def _register(backend: Backend, *, slots: int = 2, languages: tuple[str, ...] = 
         workers.register(session, row)
 
 
-def test_a_service_in_which_no_run_starts_beside_free_places_is_not_ready(both: Backend) -> None:
+def test_a_service_in_which_no_run_starts_beside_free_slots_is_not_ready(both: Backend) -> None:
     _register(both)
     both.queue("ann")
     readiness = _readiness(both)
@@ -72,7 +72,7 @@ def test_a_service_in_which_no_run_starts_beside_free_places_is_not_ready(both: 
     first, second = readiness.checks()["queue"], readiness.checks()["queue"]
 
     assert first == "ok"  # it may be claimed just now
-    assert second.startswith("places are free, but no run started for")
+    assert second.startswith("slots are free, but no run started for")
 
 
 def test_a_run_that_starts_in_between_shows_that_claims_work(both: Backend) -> None:
