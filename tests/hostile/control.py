@@ -61,7 +61,9 @@ class Excess:
         every = {
             "more CPU time": cpu_s > limits.cpu_s,
             "more memory": self._group.memory_mib() > limits.memory_mib,
-            "more processes": len(self._group.threads()) > limits.processes + 10,
+            # The bound of the group, which is higher, may end a program between two looks.
+            "more processes": len(self._group.threads()) > limits.processes + 10
+            or self._group.out_of_processes(),
             "a longer log than is kept": printed > limits.output_kib << 10,
             "a longer log": printed > limits.output_max_mib << 20,
             "its caller's time": waited_s > WAITS_S and cpu_s < waited_s / 2,

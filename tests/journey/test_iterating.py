@@ -69,7 +69,7 @@ def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visito
 
     expect(differing).to_have_count(2)  # program, seed, levels and the others are the same
     expect(differing.nth(0)).to_contain_text(" ".join(f"#{number}" for number in numbers))
-    expect(differing.nth(1)).to_contain_text(re.compile(r"Kp \[1/s\].*0\.30\.70\.9$"))
+    expect(differing.nth(1)).to_contain_text(re.compile(r"Kp \[1/s\]\s+\S*0\.30\.70\.9\s*$"))
     assert len(set(page.locator(".compared-score strong").all_inner_texts())) == 4
     assert (visitor.errors, visitor.violations()) == ([], [])
 
