@@ -115,6 +115,7 @@ def test_every_runner_command_in_the_documents_exists() -> None:
     assert {"", "test"} <= named <= known
 
 
+@pytest.mark.slow
 def test_the_script_writes_where_it_is_called(tmp_path: Path) -> None:
     required = re.search(r"^UV_VERSION=(.+)$", (ROOT / "run").read_text("utf-8"), re.MULTILINE)
     assert required is not None

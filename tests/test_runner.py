@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 TOOLS = ("dirname", "sh", "sed", "seq", "tr", "cat", "grep")
 # Its lists are locked at the first two attempts; then it knows the package.
@@ -29,6 +31,7 @@ def _program(folder: Path, name: str, text: str) -> None:
     (folder / name).chmod(0o755)
 
 
+@pytest.mark.slow
 def test_an_installation_waits_for_another_process_that_has_the_lists_locked(
     tmp_path: Path,
 ) -> None:
@@ -55,6 +58,7 @@ def test_an_installation_waits_for_another_process_that_has_the_lists_locked(
     assert ended.stderr.count("waiting for it") == 1
 
 
+@pytest.mark.slow
 def test_the_quick_tests_are_those_without_browser_boxes_and_postgresql() -> None:
     """Collect some files that have tests of both kinds."""
     quick = re.search(r'-m "(.+)" "\$@"', (ROOT / "run").read_text("utf-8"))

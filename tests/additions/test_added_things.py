@@ -71,6 +71,7 @@ LISTED: dict[str, tuple[Sequence[str], str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", LISTED)
 def test_what_lists_all_that_there_are_lists_the_added_one(kind: str, shown: Shown) -> None:
     known, added = LISTED[kind]

@@ -31,6 +31,7 @@ def bill(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path.read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_bill_of_materials_has_the_schema_of_cyclonedx(bill: str) -> None:
     whole = json.loads(bill)
     few = whole | {"components": whole["components"][:2], "dependencies": []}  # all take a minute
@@ -92,6 +93,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, zipfile.ZipFile
     return {name: zipfile.ZipFile(folder / file_name(name)) for name in TAGS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TAGS)
 def test_a_release_has_the_files_that_a_service_offers(
     built: dict[str, zipfile.ZipFile], name: str

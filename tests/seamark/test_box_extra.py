@@ -67,6 +67,7 @@ def test_the_extra_has_what_boxes_have_beside_the_packages_of_the_simulator() ->
     assert project["dependency-groups"]["box"] == ["seamark[box]"]
 
 
+@pytest.mark.slow
 def test_a_program_that_needs_the_extra_is_told_how_to_install_it(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(PROGRAM)
 

@@ -61,6 +61,7 @@ def reader_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[P
     sys.modules.pop("tracker", None)
 
 
+@pytest.mark.slow
 def test_a_tracker_scores_the_same_on_a_data_set_as_in_the_benchmark(
     reader_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

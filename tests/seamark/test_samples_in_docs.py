@@ -66,6 +66,7 @@ def test_the_tutorial_has_a_program_for_each_step() -> None:
     assert len(tutorial.programs()) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("title", PROGRAMS)
 def test_a_controller_of_the_documentation_runs(title: str) -> None:
     ended = tutorial.run(PROGRAMS[title], *SHORT)

@@ -143,6 +143,7 @@ EXPERIMENT = StationKeeping((OUTSIDE,))
 }
 
 
+@pytest.mark.slow
 def test_a_second_station_keeping_benchmark_with_a_metric_is_one_folder(added: Added) -> None:
     result = added(
         "BENCHMARKS",
@@ -213,6 +214,7 @@ class Drifter:
 }
 
 
+@pytest.mark.slow
 def test_a_tracker_with_an_option_is_one_folder(added: Added) -> None:
     result = added(
         "TRACKERS",
@@ -250,6 +252,7 @@ VEHICLE = replace(
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [6, 11])
 def test_a_vehicle_with_any_number_of_thrusters_is_one_file(added: Added, count: int) -> None:
     result = added(
@@ -269,6 +272,7 @@ def test_a_vehicle_with_any_number_of_thrusters_is_one_file(added: Added, count:
     assert result["summary"]["levels"][0]["whole_max_m"] < 1.0
 
 
+@pytest.mark.slow
 def test_a_controller_is_one_file(added: Added) -> None:
     controller = """
 class Controller:

@@ -37,6 +37,7 @@ def _run(*command: str, folder: Path = ROOT) -> "subprocess.CompletedProcess[str
     )
 
 
+@pytest.mark.slow
 def test_modules_without_a_page_pass_their_own_tests() -> None:
     tests = sorted(str(path) for path in Path(__file__).parent.rglob("*.test.js"))
     quiet = "--disable-warning=MODULE_TYPELESS_PACKAGE_JSON"
@@ -74,6 +75,7 @@ def test_the_linter_finds_what_is_wrong(tmp_path: Path, name: str, text: str, ru
     assert rule in after.stderr + after.stdout
 
 
+@pytest.mark.slow
 @installed
 @pytest.mark.parametrize(
     ("text", "error"),

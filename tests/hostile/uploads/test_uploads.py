@@ -162,6 +162,7 @@ def upload(site: Site, content: bytes, name: str) -> tuple[int, str]:
     return answer.status_code, answer.get_json().get("detail", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "build", "reason"),
     [(file, build, reason) for file, _, build, reason in CASES],
@@ -179,6 +180,7 @@ def test_a_hostile_upload_is_refused_with_its_reason_and_leaves_no_file(
         assert session.scalar(select(func.count()).select_from(Run)) == 0
 
 
+@pytest.mark.slow
 def test_a_bomb_never_uses_more_memory_than_the_limit(site: Site) -> None:
     bomb = make.gzip_bomb(200 << 20)
     upload(site, bomb, "warm.tar.gz")
@@ -232,6 +234,7 @@ def streamed() -> bytes:
     return bytes(pipe.all)
 
 
+@pytest.mark.slow
 def test_the_same_files_have_one_hash_however_they_are_packed(site: Site) -> None:
     for content, name in (
         (usual("zip"), "a.zip"),

@@ -40,6 +40,7 @@ def test_a_sign_in_is_as_much_work_for_every_name_and_password(site: Site) -> No
         assert known / RATIO_MAX < work < known * RATIO_MAX, name[:20]
 
 
+@pytest.mark.slow
 def test_a_private_run_and_one_that_does_not_exist_get_the_same_answer(site: Site) -> None:
     private = site.succeeded("ann")
     missing = private + 1

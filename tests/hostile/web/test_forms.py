@@ -33,6 +33,7 @@ VALUES = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FORMS)
 def test_no_text_in_a_form_is_a_server_error(
     site: Site, path: str, monkeypatch: pytest.MonkeyPatch
@@ -50,6 +51,7 @@ def test_no_text_in_a_form_is_a_server_error(
             assert answer.status_code < 500, value[:20]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FORMS)
 def test_no_text_in_the_address_of_a_form_is_a_server_error(site: Site, path: str) -> None:
     browser = site.browser("root")

@@ -115,6 +115,7 @@ def test_no_cell_of_a_table_starts_a_formula(formula: str) -> None:
     assert cell == f"'{formula}".replace("\r", " ")  # a CR would end the row
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["/runs/runs.csv?of=all", "/api/v1/leaderboards/currents-v1"])
 def test_exports_write_titles_and_programs_as_text(site: Site, path: str) -> None:
     program = site.store_program(PROGRAM, "=cmd.py")
@@ -178,6 +179,7 @@ PATHS = ("../../etc/passwd", "..%2f..%2fetc%2fpasswd", "%2e%2e/%2e%2e/etc/passwd
          "%00/etc/passwd", "file:///etc/passwd")  # fmt: skip
 
 
+@pytest.mark.slow
 def test_no_route_leaves_its_folder(site: Site) -> None:
     routes = {
         rule.rule.partition("<")[0]

@@ -99,6 +99,7 @@ def run_id(site: Site) -> int:
     return site.published("ann", kind="ranked")
 
 
+@pytest.mark.slow
 def test_a_head_of_twice_the_length_takes_at_most_twice_the_time(site: Site, run_id: int) -> None:
     slow = {}
     for name, head in HEADS.items():

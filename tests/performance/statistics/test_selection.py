@@ -40,6 +40,7 @@ def test_one_submission_passes_as_better_in_a_fortieth_of_the_cases(
     assert passes(population, 1, repeats=1000) == pytest.approx(0.025, abs=0.015)
 
 
+@pytest.mark.slow
 def test_the_best_of_many_passes_more_often(population: Population) -> None:
     assert passes(population, 35, repeats=300) > 0.15
 

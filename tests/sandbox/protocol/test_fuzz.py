@@ -68,6 +68,7 @@ def test_a_good_program_that_turns_bad_at_any_point_ends_with_a_verdict(data, pa
     sides.simulator([*WELL[:good], *packets])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(packets=PACKETS)
 def test_whatever_the_runner_receives_it_exits(packets) -> None:
@@ -76,6 +77,7 @@ def test_whatever_the_runner_receives_it_exits(packets) -> None:
     assert code in sides.GOOD_EXITS
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(packets=PACKETS)
 def test_whatever_the_runner_receives_after_a_program_it_exits(packets) -> None:

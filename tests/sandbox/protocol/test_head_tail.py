@@ -1,5 +1,6 @@
 """Head and tail of the output, in bounded memory."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -37,6 +38,7 @@ def test_of_longer_output_head_tail_and_a_count_are_kept(text) -> None:
     assert f"{kept.dropped} bytes dropped".encode() in kept.text()
 
 
+@pytest.mark.slow
 @given(size=st.integers(0, 10_000), pieces=st.integers(1, 50))
 def test_a_flood_of_output_uses_bounded_memory(size, pieces) -> None:
     kept = printed([b"x" * size] * pieces)

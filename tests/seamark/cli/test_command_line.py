@@ -115,6 +115,7 @@ def test_an_unknown_environment_variable_of_seamark_is_an_error(
     )
 
 
+@pytest.mark.slow
 def test_a_server_that_does_not_answer_ends_with_exit_code_3() -> None:
     answer = seamark("submit", "currents-v1", "--server", "http://127.0.0.1:9")
 
@@ -186,6 +187,7 @@ def test_each_printed_invitation_makes_one_account(tmp_path: Path) -> None:
     assert len(printed.split()) == 2
 
 
+@pytest.mark.slow
 def test_a_token_beyond_the_limit_of_an_account_is_refused(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path))
     seamark("user", "add", "ann", "--password", "correct horse", *data)
@@ -198,6 +200,7 @@ def test_a_token_beyond_the_limit_of_an_account_is_refused(tmp_path: Path) -> No
     assert "already have 50 tokens" in refused.output
 
 
+@pytest.mark.slow
 def test_roles_are_given_listed_and_changed(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path))
     for name, options in (("ann", ()), ("tim", ("--role", "teacher")), ("root", ("--admin",))):
@@ -369,6 +372,7 @@ def test_init_writes_a_controller_but_overwrites_none(language: str) -> None:
     assert main.read_text() == "my own"
 
 
+@pytest.mark.slow
 def test_the_operator_can_replace_a_forgotten_password(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path / "d"))
     seamark("user", "add", "ann", *data)

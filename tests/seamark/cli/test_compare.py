@@ -28,6 +28,7 @@ def _in_a_process(*arguments: str) -> bytes:
     return subprocess.run(command, capture_output=True, check=True, timeout=60).stdout
 
 
+@pytest.mark.slow
 def test_compare_prints_what_differs_and_where_to_look(backend: Backend, address: str) -> None:
     first = backend.succeeded(seed=7, config={"kp": 0.4})
     second = backend.succeeded(seed=7, config={"kp": 0.6})
@@ -55,6 +56,7 @@ def test_compare_says_what_is_wrong(backend: Backend, runs: tuple[str, ...], mes
     assert message in answer.output
 
 
+@pytest.mark.slow
 def test_a_server_that_does_not_answer_is_a_failure_of_the_platform(tmp_path: Path) -> None:
     answer = CliRunner().invoke(cli, ["compare", "1", "2", "--server", "http://127.0.0.1:9"])
 
@@ -81,6 +83,7 @@ def test_leaderboard_prints_the_rows_of_the_page(backend: Backend) -> None:
     assert "rmse_m" in wrong.output
 
 
+@pytest.mark.slow
 def test_folders_are_compared_as_their_runs_would_be_on_a_server(results: Path) -> None:
     folders = [str(results / name) for name in ("p", "pi")]
 
@@ -96,6 +99,7 @@ def test_folders_are_compared_as_their_runs_would_be_on_a_server(results: Path) 
     assert "solution" in [row["name"] for row in document["settings"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "message"),
     [(("pi",), "Name 2 to 5 results"), (("pi", "none"), "none is neither a folder nor")],

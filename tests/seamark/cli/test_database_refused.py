@@ -69,6 +69,7 @@ def test_a_database_that_is_too_early_to_be_upgraded_is_named_as_such(
     assert "Run `seamark db upgrade` with the commit 093b11f4" in sentence
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("newer")
 def test_up_names_a_database_of_a_newer_version(environment: Mapping[str, str]) -> None:
     command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(free_port())]

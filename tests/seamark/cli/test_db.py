@@ -74,6 +74,7 @@ def test_a_downgrade_to_an_unknown_schema_is_refused(leaderboard: Backend) -> No
     schema.check(leaderboard.database.engine)
 
 
+@pytest.mark.slow
 def test_the_missing_reference_entries_are_queued_once(leaderboard: Backend) -> None:
     command = [sys.executable, "-m", "seamark.cli.main", "db", "reference-entries", "--json"]
     first, again = (

@@ -58,10 +58,12 @@ def stored(service: Settings, s3_server: s3.Server, storage: FaultyS3, tmp_path:
     return settings
 
 
+@pytest.mark.slow
 def test_nothing_is_wrong_with_a_service_in_order(service: Settings, stored: Settings) -> None:
     assert (_bad(service), _bad(stored)) == ({}, {})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("behaviour", "says"),
     [
@@ -82,6 +84,7 @@ def test_an_object_storage_that_fails_is_named_in_time(
     assert bad.keys() <= {"object storage", "database", "keys", "broker"}  # of a busy machine
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "says"),
     [

@@ -73,6 +73,7 @@ def server(request: pytest.FixtureRequest) -> Iterator[str]:
         listening.shutdown()
 
 
+@pytest.mark.slow
 def test_nothing_that_a_server_answers_acts_on_the_terminal(server: str) -> None:
     answer = CliRunner().invoke(
         cli, ["submit", "currents-v1", "--controller", "pi", "--server", server, "--wait"]

@@ -108,6 +108,7 @@ def test_every_command_has_the_option(name: str) -> None:
     assert "--json" in {option for given in COMMANDS[name].params for option in given.opts}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 def test_commands_print_nothing_but_json(backend: Backend) -> None:
     runs = {"first": backend.succeeded(seed=7), "second": backend.succeeded(seed=7)}
@@ -120,6 +121,7 @@ def test_commands_print_nothing_but_json(backend: Backend) -> None:
     assert {case: text for case, text in printed.items() if not _is_json(text)} == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROCESSES)
 def test_a_process_of_a_service_prints_where_it_runs_and_logs_elsewhere(
     name: str, backend: Backend, settings: Settings

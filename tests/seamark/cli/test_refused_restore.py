@@ -92,6 +92,7 @@ def _tree(folder: Path) -> list[Path]:
     return sorted(folder.rglob("*"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exists", [True, False])
 @pytest.mark.parametrize("why", REFUSALS)
 def test_a_refused_restore_leaves_nothing_behind(

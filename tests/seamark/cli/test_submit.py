@@ -34,6 +34,7 @@ def submit(address: str, token: str, *options: object) -> Result:
     return CliRunner().invoke(cli, [*common, *map(str, options)])
 
 
+@pytest.mark.slow
 def test_a_file_is_submitted_as_a_program_of_ones_own(
     address: str, token: str, program: Path
 ) -> None:
@@ -43,6 +44,7 @@ def test_a_file_is_submitted_as_a_program_of_ones_own(
     assert f"{address}/runs/1" in answer.output
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("worker")
 def test_a_run_is_published_on_the_terms_that_the_options_name(
     address: str, token: str, program: Path
@@ -61,6 +63,7 @@ def test_a_run_is_published_on_the_terms_that_the_options_name(
     assert {run["method"] for run in runs} == {"Steady hand"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -83,6 +86,7 @@ def test_impossible_terms_are_refused_before_anything_is_submitted(
     assert backend.claim() is None
 
 
+@pytest.mark.slow
 def test_a_program_is_not_published_without_the_name_of_its_method(
     backend: Backend, address: str, token: str, program: Path
 ) -> None:
@@ -93,6 +97,7 @@ def test_a_program_is_not_published_without_the_name_of_its_method(
     assert backend.claim() is None
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("worker")
 def test_the_result_is_printed_although_the_server_does_not_publish_it(
     backend: Backend, address: str, token: str, program: Path

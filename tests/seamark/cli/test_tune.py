@@ -60,6 +60,7 @@ def tune(*arguments: str) -> Result:
     return CliRunner().invoke(cli, ["tune", "currents-v1", *arguments], prog_name="seamark")
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_number_of_jobs() -> None:
     one = tune(*GAINS, *SMALL, "--candidates", "3", "--validate", "2", "--jobs", "1", "--json")
     Path("tuned.csv").rename("first.csv")
@@ -73,6 +74,7 @@ def test_the_result_does_not_depend_on_the_number_of_jobs() -> None:
     assert found["best"]["score"] == max(each["score"] for each in found["candidates"])
 
 
+@pytest.mark.slow
 def test_the_best_configuration_gives_its_score_again_in_a_run() -> None:
     answer = tune(*GAINS, *SMALL, "--candidates", "4", "--validate", "0", "--json")
 
@@ -82,6 +84,7 @@ def test_the_best_configuration_gives_its_score_again_in_a_run() -> None:
     assert json.loads(run.stdout)["score"] == json.loads(answer.stdout)["best"]["score"]
 
 
+@pytest.mark.slow
 def test_a_program_is_tuned_by_what_it_declares_and_its_crashes_are_listed() -> None:
     Path("brittle.py").write_text(BRITTLE)
 
@@ -95,6 +98,7 @@ def test_a_program_is_tuned_by_what_it_declares_and_its_crashes_are_listed() -> 
     assert [row.split(",")[-1] for row in rows[1:]] == ["gain", "0.5", "0.0", "1.0", "2.0"]
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_there_and_resume_goes_on() -> None:
     whole = tune(*GAINS, *SMALL, "--candidates", "12", "--validate", "0", "--out", "whole.toml")
     options = (*GAINS, *SMALL, "--candidates", "12", "--validate", "0", "--jobs", "1")

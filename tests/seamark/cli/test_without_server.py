@@ -106,6 +106,7 @@ def test_a_program_is_checked_in_its_box(tmp_path: Path) -> None:
     assert "controller.py runs:" in checked.stdout
 
 
+@pytest.mark.slow
 def test_the_doctor_looks_at_what_is_there_and_writes_nothing(tmp_path: Path) -> None:
     done = without_server(tmp_path, "doctor")
 

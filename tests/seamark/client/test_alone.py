@@ -73,6 +73,7 @@ def test_what_it_needs_is_small_and_pure_python() -> None:
     assert size_mb * (1 + COMPILED_PER_SOURCE) < LARGEST_MB
 
 
+@pytest.mark.slow
 def test_it_submits_follows_compares_and_downloads(
     alone: Path, address: str, token: str, worker: None, tmp_path: Path
 ) -> None:

@@ -68,6 +68,7 @@ def test_importing_seamark_loads_neither_the_client_nor_the_server() -> None:
         _ = seamark.Clint
 
 
+@pytest.mark.slow
 def test_address_and_token_come_from_the_environment_and_are_never_shown(
     address: str, token: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -80,6 +81,7 @@ def test_address_and_token_come_from_the_environment_and_are_never_shown(
         assert repr(client) == f"<client of {address}>"
 
 
+@pytest.mark.slow
 def test_a_program_is_submitted_and_read_back(client: Client, tmp_path: Path) -> None:
     program = tmp_path / "mine.py"
     program.write_bytes(PROGRAM)
@@ -104,6 +106,7 @@ def test_a_list_of_runs_goes_on_over_its_pages(backend: Backend, client: Client)
     assert list(client.runs(which="public")) == []
 
 
+@pytest.mark.slow
 def test_a_run_is_followed_to_its_end(
     backend: Backend, client: Client, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -128,6 +131,7 @@ def test_waiting_for_a_run_can_be_limited(client: Client) -> None:
         run.wait(timeout_s=0.1, progress=False)
 
 
+@pytest.mark.slow
 def test_a_run_is_published_and_withdrawn(backend: Backend, client: Client) -> None:
     run = client.run(_with_rows(backend))
 
@@ -139,6 +143,7 @@ def test_a_run_is_published_and_withdrawn(backend: Backend, client: Client) -> N
         client.run(backend.published("ben")).withdraw()
 
 
+@pytest.mark.slow
 def test_both_clients_download_a_run_into_a_file_and_not_what_is_refused(
     backend: Backend, client: Client, address: str, token: str, tmp_path: Path
 ) -> None:
@@ -164,6 +169,7 @@ def test_both_clients_download_a_run_into_a_file_and_not_what_is_refused(
     assert not (tmp_path / "run.csv").exists()
 
 
+@pytest.mark.slow
 def test_a_download_that_fails_leaves_the_file_that_was_there(
     backend: Backend, client: Client, tmp_path: Path
 ) -> None:
@@ -201,6 +207,7 @@ class _Broken(httpx.SyncByteStream):
         raise httpx.ReadError("Connection reset by peer")
 
 
+@pytest.mark.slow
 def test_telemetry_log_and_plot_of_a_run(backend: Backend, client: Client) -> None:
     run = client.run(_with_rows(backend))
 
@@ -226,6 +233,7 @@ def test_a_package_that_is_missing_is_named_with_how_to_install_it() -> None:
         tables.table("excel", ["t"], b"")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_sweep_is_started_followed_and_compared(backend: Backend, client: Client) -> None:
     sweep = client.sweep("currents-v1", {"kp": [0.3, 0.5]}, controller="pi", seed=5)
     first, second = sweep.runs
@@ -252,6 +260,7 @@ def test_leaderboard_and_benchmarks(backend: Backend, client: Client) -> None:
     assert "kp" in client.benchmark("currents-v1")["schema"]["properties"]
 
 
+@pytest.mark.slow
 def test_the_asynchronous_client_does_the_same(
     backend: Backend, address: str, token: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

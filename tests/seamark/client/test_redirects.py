@@ -47,6 +47,7 @@ def serving(status: int, location: str = "") -> Iterator[Server]:
         server.shutdown()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("status", [301, 302, 303, 307, 308])
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
 def test_a_token_follows_no_redirect(status: int, host: str) -> None:

@@ -191,6 +191,7 @@ def test_a_flood_of_unfinished_requests_keeps_nobody_out(
         assert len(state.crowd) <= 21
 
 
+@pytest.mark.slow
 def test_at_the_end_of_the_server_handshakes_that_are_not_decided_are_told_to_come_again() -> None:
     with ExitStack() as waiting:
         with serving(_application, forced=False) as connect:

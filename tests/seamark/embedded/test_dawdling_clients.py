@@ -203,6 +203,7 @@ def _until_closed(connection: socket.socket, then: bytes) -> bytes:
     raise AssertionError(f"the connection stays; received {received!r}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("misbehaviour", MISBEHAVIOURS.values(), ids=MISBEHAVIOURS)
 def test_who_misbehaves_is_told_and_sent_away(
     connect: Callable[[bytes], socket.socket], misbehaviour: Misbehaviour
@@ -234,6 +235,7 @@ WELL_BEHAVED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("answers", "pieces"), WELL_BEHAVED.values(), ids=WELL_BEHAVED)
 def test_who_behaves_is_answered_beside_all_who_misbehave(
     connect_patient: Callable[[bytes], socket.socket],

@@ -92,6 +92,7 @@ def test_a_service_in_a_folder_that_all_can_read_hides_what_is_its_own_and_runs_
     assert (running, after) == (["notes.txt"], ["notes.txt"])
 
 
+@pytest.mark.slow
 def test_what_commands_write_is_for_their_owner_alone(tmp_path: Path) -> None:
     data, restored = tmp_path / "data", tmp_path / "restored"
     for folder in (data, restored):

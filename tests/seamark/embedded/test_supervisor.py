@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 RETIRING = """
 import sys, time
 from pathlib import Path
@@ -103,6 +105,7 @@ def test_a_dead_orphan_is_reaped_and_the_child_goes_on(tmp_path: Path) -> None:
     assert outcome_of(ORPHAN, tmp_path) == "None []\n"
 
 
+@pytest.mark.slow
 def test_a_child_that_dies_is_started_again_however_long_the_supervisor_would_wait(
     tmp_path: Path,
 ) -> None:

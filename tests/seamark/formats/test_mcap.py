@@ -83,6 +83,7 @@ def test_every_column_of_every_row_is_there_bit_for_bit(messages: Messages, rows
     assert np.array(found, "<f8").tobytes() == rows.tobytes()
 
 
+@pytest.mark.slow
 def test_a_second_reader_of_ros_messages_finds_the_same_values(file: BytesIO, rows: Rows) -> None:
     store = get_typestore(Stores.EMPTY)
     known: set[str] = set()

@@ -120,6 +120,7 @@ def test_the_velocity_of_the_odometry_moves_its_position(messages: Messages, row
     assert np.abs(moved).max(axis=0).min() > 5e-4
 
 
+@pytest.mark.slow
 def test_turn_rates_of_odometry_and_imu_turn_the_attitude(messages: Messages, rows: Rows) -> None:
     imu = messages["/imu/data"]
     attitudes = arrays([one.orientation for one in imu])

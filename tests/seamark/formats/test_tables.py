@@ -120,6 +120,7 @@ def test_a_mat_file_of_too_many_rows_is_refused_with_another_way(recording: Reco
         FORMATS["mat"].write(long, BytesIO())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FORMATS])
 def test_the_same_run_gives_the_same_bytes(name: str, written: Written) -> None:
     assert written(name).getvalue() == written(name).getvalue()

@@ -101,6 +101,7 @@ def test_seeds_and_indices_are_those_of_a_vec_env() -> None:
             call()
 
 
+@pytest.mark.slow
 def test_importing_the_form_for_stable_baselines_needs_it_not() -> None:
     code = (
         "import sys; sys.modules['stable_baselines3'] = None; sys.modules['torch'] = None; "

@@ -30,6 +30,7 @@ def pair(mode: AutoresetMode, **options: Any) -> tuple[Any, Any]:
     return ours, SyncVectorEnv([single] * VEHICLES, autoreset_mode=mode)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mode", "options"),
     [
@@ -61,6 +62,7 @@ def test_every_bit_is_that_of_single_environments(mode: AutoresetMode, options: 
     assert ended >= 3 * VEHICLES
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_hits_the_bottom_moves_as_in_the_single_environment() -> None:
     settings = TRUTH | {"level_duration_s": 12.0}
     ours, theirs = pair(AutoresetMode.NEXT_STEP, benchmark="currents-v1", settings=settings)
@@ -75,6 +77,7 @@ def test_a_vehicle_that_hits_the_bottom_moves_as_in_the_single_environment() -> 
     assert force > 0.0
 
 
+@pytest.mark.slow
 def test_the_number_of_threads_changes_no_bit() -> None:
     runs = []
     for threads in (1, 2, 3):

@@ -88,6 +88,7 @@ def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(limited, "_COMMAND", (sys.executable, "-c", code))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small_limits")
 def test_a_chunk_that_unpacks_to_gigabytes_ends_its_own_process_only(tmp_path: Path) -> None:
     bomb = 96 * bz2.compress(bytes(2**24))  # 1.5 GiB in 5 KB
@@ -102,6 +103,7 @@ def test_a_chunk_that_unpacks_to_gigabytes_ends_its_own_process_only(tmp_path: P
     assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before < 25.0
 
 
+@pytest.mark.slow
 def test_the_rows_of_a_long_log_are_not_in_the_memory_of_whoever_has_it_measured(
     tmp_path: Path,
 ) -> None:
@@ -119,6 +121,7 @@ def test_the_rows_of_a_long_log_are_not_in_the_memory_of_whoever_has_it_measured
     assert peak < found.rows.nbytes / 3
 
 
+@pytest.mark.slow
 def test_a_mapping_that_is_slow_to_parse_costs_whoever_has_it_measured_nothing(
     tmp_path: Path,
 ) -> None:
@@ -137,6 +140,7 @@ def test_a_mapping_that_is_slow_to_parse_costs_whoever_has_it_measured_nothing(
     assert time.process_time() - began < parsing_s / 4
 
 
+@pytest.mark.slow
 def test_the_benchmark_is_that_of_the_mapping_unless_another_is_named(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     lines = (f"{0.05 * at:.2f},0.2,0.1,1.65,0,0,0\n" for at in range(100))
@@ -151,6 +155,7 @@ def test_the_benchmark_is_that_of_the_mapping_unless_another_is_named(tmp_path: 
     assert (mapped.benchmark, named.benchmark) == ("currents-v2", "currents-v1")
 
 
+@pytest.mark.slow
 def test_the_sentence_that_refuses_a_log_has_no_characters_that_act_on_a_terminal(
     tmp_path: Path,
 ) -> None:

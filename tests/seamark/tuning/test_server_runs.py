@@ -40,6 +40,7 @@ def _runs(
     )
 
 
+@pytest.mark.slow
 def test_a_refused_submission_is_repeated_when_the_server_says() -> None:
     asked: list[float] = []
     notices: list[str] = []

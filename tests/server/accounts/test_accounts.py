@@ -13,6 +13,7 @@ from seamark.server.settings import Settings
 PASSWORD = "correct horse battery"
 
 
+@pytest.mark.slow
 def test_a_password_signs_in_to_its_own_account_only(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "Ann", PASSWORD)

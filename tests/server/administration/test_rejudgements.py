@@ -179,6 +179,7 @@ def test_users_do_not_notice_runs_that_are_computed_again(backend: Backend) -> N
     assert [queued, noticed()] == [before, before]
 
 
+@pytest.mark.slow
 def test_runs_of_users_and_guests_start_first(backend: Backend) -> None:
     old = backend.succeeded("ann")
     _start(backend)

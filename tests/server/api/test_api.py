@@ -68,6 +68,7 @@ def test_an_upload_is_queued_under_its_hash(site: Site) -> None:
     assert site.call("owner", "GET", answer.headers["Location"] + "/program").data == source
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "status", "slug"),
     [
@@ -107,6 +108,7 @@ def test_a_cookie_without_the_csrf_token_changes_nothing(site: Site) -> None:
     assert cancelled.get_json()["state"] == "cancelled"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "path", "options", "status", "slug"),
     [
@@ -269,6 +271,7 @@ def test_telemetry_is_the_same_in_every_format_while_the_run_is_running(site: Si
     assert later.headers["X-Next-Row"] == "700"
 
 
+@pytest.mark.slow
 def test_the_log_is_read_from_an_offset(site: Site) -> None:
     path = f"{RUNS}/{site.recorded()}/log"
 

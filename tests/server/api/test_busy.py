@@ -84,6 +84,7 @@ def test_an_account_that_waits_with_as_many_uploads_as_it_may_is_told_that_they_
     assert int(answer.headers["Retry-After"]) >= 1
 
 
+@pytest.mark.slow
 def test_the_client_comes_again_and_starts_one_run(
     site: Site, hasty: ProgramReader, tmp_path: Path
 ) -> None:

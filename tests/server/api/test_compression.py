@@ -101,6 +101,7 @@ def _is_own_file(address: str) -> bool:
     return not urlsplit(address).netloc and (address.startswith(("/static/", ".")))
 
 
+@pytest.mark.slow
 def test_every_page_is_small(site: Site) -> None:
     run_id, other = site.recorded(), site.recorded()
 

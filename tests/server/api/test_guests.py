@@ -2,6 +2,8 @@
 
 import io
 
+import pytest
+
 from tests.server.api.conftest import Site
 
 RUNS = "/api/v1/runs"
@@ -17,6 +19,7 @@ def test_a_guest_can_run_a_built_in_controller_and_see_it_later(site: Site) -> N
     assert site.client().get(ordered.headers["Location"]).status_code == 404
 
 
+@pytest.mark.slow
 def test_orders_without_a_cookie_share_the_quota_of_their_network(site: Site) -> None:
     order = {"benchmark": "currents-v1", "controller": "p"}
 

@@ -48,6 +48,7 @@ def _sign_in(app: Flask, address: str, who: dict[str, str] = WRONG) -> TestRespo
     return client.post("/sign-in", data=who | {"csrf_token": secret}, headers=headers)
 
 
+@pytest.mark.slow
 def test_behind_a_proxy_each_visitor_has_their_own_rate_limit(behind_proxy: Flask) -> None:
     codes = [_sign_in(behind_proxy, "192.0.2.1").status_code for _ in range(11)]
 
@@ -55,6 +56,7 @@ def test_behind_a_proxy_each_visitor_has_their_own_rate_limit(behind_proxy: Flas
     assert _sign_in(behind_proxy, "192.0.2.2").status_code == 422
 
 
+@pytest.mark.slow
 def test_a_class_behind_one_address_can_sign_in_at_once(site: Site) -> None:
     with site.database.writing() as session:
         accounts.sign_up(session, "pupil", "a long password")
@@ -65,6 +67,7 @@ def test_a_class_behind_one_address_can_sign_in_at_once(site: Site) -> None:
     assert codes == [302] * 12
 
 
+@pytest.mark.slow
 def test_submissions_are_limited_per_account_and_not_per_address(site: Site) -> None:
     first = [site.call("owner", "POST", "/api/v1/runs", json={}) for _ in range(31)]
     other = site.call("admin", "POST", "/api/v1/runs", json={})
@@ -82,6 +85,7 @@ def test_repeating_a_run_is_limited_like_submitting_one(site: Site) -> None:
     assert reasons[30].endswith("rate-limited")
 
 
+@pytest.mark.slow
 def test_without_a_proxy_a_forged_address_is_ignored(site: Site) -> None:
     codes = [_sign_in(site.app, f"192.0.2.{i}").status_code for i in range(11)]
 
@@ -115,6 +119,7 @@ def test_while_the_broker_is_away_runs_are_accepted_and_pages_are_shown(
     assert (posted, shown) == ([202, 202], [200, 200, 200])
 
 
+@pytest.mark.slow
 def test_while_the_broker_is_away_failed_sign_ins_are_still_limited(without_broker: Flask) -> None:
     codes = [_sign_in(without_broker, "").status_code for _ in range(11)]
 
@@ -130,6 +135,7 @@ def silent_broker(forgetful_limiter: None) -> Iterator[str]:
         yield f"unix://{folder}/v.sock"
 
 
+@pytest.mark.slow
 def test_a_broker_that_does_not_answer_delays_a_sign_in_by_seconds_at_most(
     settings: Settings, database: Database, silent_broker: str
 ) -> None:
@@ -143,6 +149,7 @@ def test_a_broker_that_does_not_answer_delays_a_sign_in_by_seconds_at_most(
     app.extensions["seamark"].close()
 
 
+@pytest.mark.slow
 def test_guesses_of_one_password_are_limited_over_all_addresses(
     behind_proxy: Flask, database: Database
 ) -> None:

@@ -24,6 +24,7 @@ def _count_up(url: str) -> None:
     database.close()
 
 
+@pytest.mark.slow
 def test_concurrent_writers_lose_no_update(database: Database) -> None:
     with database.writing() as session:
         session.add(Turn(owner="x", served_at=0.0))

@@ -36,6 +36,7 @@ def test_the_migrations_create_the_tables_of_the_code(both: Backend) -> None:
     assert differences == []
 
 
+@pytest.mark.slow
 def test_an_upgrade_of_an_upgraded_database_changes_nothing(both: Backend) -> None:
     upgrade(both.settings)
 

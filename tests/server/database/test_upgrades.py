@@ -52,6 +52,7 @@ def _upgrade_together(settings: Settings, start: Barrier) -> None:
     upgrade(settings)
 
 
+@pytest.mark.slow
 def test_processes_that_upgrade_at_the_same_time_all_succeed(empty: Settings) -> None:
     spawn = multiprocessing.get_context("spawn")
     start = spawn.Barrier(PROCESSES)
@@ -132,6 +133,7 @@ def _shared(rows: Rows, other: Rows) -> Rows:
     }
 
 
+@pytest.mark.slow
 def test_data_survive_the_way_to_every_earlier_schema_and_back(both: Backend) -> None:
     _fill(both)
     with both.database.engine.begin() as connection:

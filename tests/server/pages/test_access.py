@@ -26,6 +26,7 @@ OF_PUBLIC_RUN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", OPEN)
 def test_public_pages_are_shown_to_everybody(site: Site, path: str) -> None:
     assert {site.browser(role).get(path).status_code for role in ROLES} == {200}
@@ -66,6 +67,7 @@ def test_a_private_run_answers_like_one_that_does_not_exist(site: Site) -> None:
     assert private == none
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("action", ["cancel", "publish", "withdraw"])
 def test_nothing_is_changed_by_get(site: Site, action: str) -> None:
     run_id = site.succeeded("ann")

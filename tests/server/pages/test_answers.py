@@ -42,6 +42,7 @@ def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) 
     ] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     [

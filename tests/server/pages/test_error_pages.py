@@ -2,9 +2,12 @@
 
 from urllib.parse import parse_qs, urlsplit
 
+import pytest
+
 from tests.server.pages.conftest import Site
 
 
+@pytest.mark.slow
 def test_who_is_signed_in_is_not_told_to_sign_in(site: Site) -> None:
     pages = {role: site.browser(role).get("/runs/999").text for role in ("stranger", "ann")}
 

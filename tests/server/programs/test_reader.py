@@ -39,6 +39,7 @@ def _archive(files: dict[str, bytes]) -> bytes:
     return target.getvalue()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "name"),
     [

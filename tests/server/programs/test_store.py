@@ -75,6 +75,7 @@ def test_two_workers_delete_every_unused_program_once(settings: Settings) -> Non
     assert (deleted_by_other, deleted) == ([3], 0)
 
 
+@pytest.mark.slow
 def test_uploads_survive_two_workers_that_delete_at_the_same_time(settings: Settings) -> None:
     ended = threading.Event()
 

@@ -43,6 +43,7 @@ def _in_time(ask: Callable[[], object]) -> list[object]:
     return found
 
 
+@pytest.mark.slow
 def test_a_storage_with_the_mark_answers_and_one_without_does_not(
     stored: Objects, s3_server: s3.Server, tmp_path: Path
 ) -> None:
@@ -53,6 +54,7 @@ def test_a_storage_with_the_mark_answers_and_one_without_does_not(
     assert (stored.answers(), empty.answers()) == (True, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("behaviour", ["answers errors", "hangs"])
 def test_nobody_who_asks_whether_a_storage_answers_waits_until_it_does(
     stored: Objects, storage: FaultyS3, behaviour: Behaviour, monkeypatch: Any
@@ -66,6 +68,7 @@ def test_nobody_who_asks_whether_a_storage_answers_waits_until_it_does(
     assert (before, found) == (True, [[False] * 3])
 
 
+@pytest.mark.slow
 def test_what_was_found_just_now_is_told_without_a_look(stored: Objects, storage: FaultyS3) -> None:
     first = stored.answers()
     storage.behave("hangs")
@@ -73,6 +76,7 @@ def test_what_was_found_just_now_is_told_without_a_look(stored: Objects, storage
     assert (first, stored.answers(), storage.asked) == (True, True, 0)
 
 
+@pytest.mark.slow
 def test_a_storage_that_hangs_ends_what_is_read_from_it(stored: Objects, storage: FaultyS3) -> None:
     storage.behave("hangs")
 

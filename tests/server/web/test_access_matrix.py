@@ -148,6 +148,7 @@ def test_every_route_has_an_entry(site: Site) -> None:
     assert routes == set(ROUTES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("caller", CALLERS, ids=str)
 def test_a_caller_gets_through_exactly_where_the_entries_allow_it(
     site: Site, caller: Caller
@@ -171,6 +172,7 @@ def _as_expected(entry: Entry, caller: Caller, status: int, location: str) -> bo
     return status in REFUSED or location.startswith(TO_SIGN_IN)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("caller", CALLERS, ids=str)
 def test_only_who_administers_sees_the_private_runs_of_others(site: Site, caller: Caller) -> None:
     site.succeeded("eva", title="secret plan")
@@ -203,6 +205,7 @@ def test_a_token_gives_no_scope_and_no_day_that_it_lacks(site: Site, path: str) 
     assert made[0].expires_at <= first.expires_at + 1.0
 
 
+@pytest.mark.slow
 def test_an_expired_token_is_refused_everywhere(site: Site) -> None:
     with site.database.writing() as session:
         text = accounts.new_token(session, site.user_id("ann"), "old", [READ, SUBMIT], days=-1.0)

@@ -51,6 +51,7 @@ def _read(answer_data: bytes) -> Iterator[bytes]:
             yield from (archive.read(name) for name in archive.namelist())
 
 
+@pytest.mark.slow
 def test_no_address_that_strangers_can_read_tells_who_published_for_review(site: Site) -> None:
     run_id, told, read = _for_review(site), [], []
 
@@ -69,6 +70,7 @@ def test_no_address_that_strangers_can_read_tells_who_published_for_review(site:
     assert {"/", "/leaderboards/currents-v1", "/api/v1/leaderboards/currents-v1"} <= set(read)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     [

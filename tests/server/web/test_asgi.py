@@ -75,6 +75,7 @@ def test_health_is_answered_while_all_threads_wait() -> None:
     assert body == b"ok"
 
 
+@pytest.mark.slow
 def test_clients_that_do_not_read_hold_no_thread_and_are_forgotten_when_they_go() -> None:
     large = _Large()
     with serving(large) as connect:

@@ -38,6 +38,7 @@ def test_the_metrics_say_so(client: FlaskClient) -> None:
     assert "seamark_database_up 0.0" in client.get("/metrics").text
 
 
+@pytest.mark.slow
 def test_the_process_is_alive_but_not_ready(client: FlaskClient) -> None:
     assert client.get("/healthz").status_code == 200
     assert client.get("/readyz").get_json()["checks"]["database"] != "ok"

@@ -71,6 +71,7 @@ def _tracked(folder: str) -> Iterator[str]:
     return (f"seamark/{name.removeprefix('seamark/')}" for name in listing.stdout.splitlines())
 
 
+@pytest.mark.slow
 def test_only_the_name_seamark_is_taken(names: list[str]) -> None:
     tops = {name.partition("/")[0] for name in names}
 
@@ -207,6 +208,7 @@ def test_it_runs_beside_folders_with_the_names_of_the_checkout(
     assert "digest" in done.stdout
 
 
+@pytest.mark.slow
 def test_an_installed_package_keeps_compiled_code_in_the_cache_folder(
     installed: Path, tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ def client_of_silence(settings: Settings, silent_port: int) -> FlaskClient:
     return app.test_client(use_cookies=False)
 
 
+@pytest.mark.slow
 def test_a_part_that_hangs_is_named_before_it_answers(client_of_silence: FlaskClient) -> None:
     checks = client_of_silence.get("/readyz").get_json()["checks"]
 
@@ -44,6 +45,7 @@ def test_a_part_that_hangs_is_named_before_it_answers(client_of_silence: FlaskCl
     assert (checks["database"], checks["broker"], checks["queue"]) == (silent, silent, "unknown")
 
 
+@pytest.mark.slow
 def test_parts_that_hang_cost_one_thread_each(client_of_silence: FlaskClient) -> None:
     with ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(lambda _: client_of_silence.get("/readyz").status_code, range(8)))

@@ -74,6 +74,7 @@ def away(backend: Backend, recorded: int, tmp_path: Path) -> Iterator[Browser]:
         yield browser
 
 
+@pytest.mark.slow
 def test_a_full_disk_refuses_runs_checks_and_uploads_with_a_problem(full: Browser) -> None:
     for answer in (full.submit(), full.upload("/api/v1/runs"), full.upload("/api/v1/checks")):
         problem = answer.get_json()
@@ -82,6 +83,7 @@ def test_a_full_disk_refuses_runs_checks_and_uploads_with_a_problem(full: Browse
         assert int(answer.headers["Retry-After"]) > 0
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_a_sentence_on_the_form(full: Browser) -> None:
     answer = full.form()
 
@@ -142,6 +144,7 @@ def test_without_the_data_folder_its_files_are_unavailable_not_empty(
     assert answer.get_json()["type"] == "/problems/storage-unavailable"
 
 
+@pytest.mark.slow
 def test_without_the_data_folder_nothing_is_accepted_and_nothing_written(
     away: Browser, backend: Backend
 ) -> None:
@@ -163,6 +166,7 @@ def test_when_the_data_folder_is_back_everything_works_again(
     assert "hello" in away.client.get(f"/api/v1/runs/{recorded}/log").text
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_read_is_a_503_of_its_own_run(
     full: Browser, backend: Backend
 ) -> None:

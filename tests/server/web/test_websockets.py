@@ -86,6 +86,7 @@ def _served(echo: Echo, path: str = "/", **options: Any) -> Iterator[ClientConne
         yield stack.enter_context(connect(url, compression=None, max_size=None, **options))
 
 
+@pytest.mark.slow
 def test_a_conversation_lasts_longer_than_a_request_may_take_to_arrive() -> None:
     echo = Echo()
     with _served(echo) as client:
@@ -141,6 +142,7 @@ def test_a_download_is_no_websocket_and_is_not_read_for_one() -> None:
     assert echo.ended.acquire(timeout=PATIENCE_S)
 
 
+@pytest.mark.slow
 def test_a_client_that_reads_no_answers_to_its_pings_is_not_listened_to() -> None:
     ping = bytes([0x89, 0xFD, 0, 0, 0, 0]) + bytes(125)  # masked with zeros
 
@@ -194,6 +196,7 @@ def test_a_message_that_is_too_long_or_no_text_ends_the_conversation(message: st
         assert echo.ended.acquire(timeout=PATIENCE_S)
 
 
+@pytest.mark.slow
 def test_a_client_that_does_not_read_is_disconnected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(websockets, "SEND_S", 0.3)
     echo = Echo()

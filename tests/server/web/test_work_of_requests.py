@@ -132,6 +132,7 @@ def _all_failed(session: Session, viewer: Viewer) -> list[int]:
         start = page.next
 
 
+@pytest.mark.slow
 def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     site = work.site
     recorded = site.recorded()
@@ -164,6 +165,7 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     assert {what: count for what, count in many.items() if count > QUERIES_MAX} == {}
 
 
+@pytest.mark.slow
 def test_the_pages_that_everybody_opens_ask_as_much_of_a_few_entries_as_of_many(work: Work) -> None:
     site, most = work.site, {"/": 11, f"/leaderboards/{BENCHMARK}": 10}
     client = _admin(site)
@@ -180,6 +182,7 @@ def test_the_pages_that_everybody_opens_ask_as_much_of_a_few_entries_as_of_many(
     assert {connections for _, connections in many.values()} == {CONNECTIONS_MAX}
 
 
+@pytest.mark.slow
 def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) -> None:
     site = work.site
     fill(site.database, runs=RUNS, queued=QUEUED)

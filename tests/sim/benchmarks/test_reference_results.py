@@ -33,6 +33,7 @@ def test_all_entries_of_all_versions_are_shipped(name: str) -> None:
     assert set(reference_results.of_benchmark(definition)) == set(definition.baselines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "entry"), [("visibility-v2", "nothing"), ("currents-v2", "nothing")]
 )

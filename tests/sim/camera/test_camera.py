@@ -51,6 +51,7 @@ def test_images_do_not_depend_on_the_order_of_frames(camera: Camera, tilted: Arr
     assert all(np.array_equal(a, b) for a, b in zip(forwards, reversed(backwards), strict=True))
 
 
+@pytest.mark.slow
 def test_grey_image_is_the_green_channel_of_the_coloured_one(camera: Camera, tilted: Array) -> None:
     assert np.array_equal(camera.colour(tilted, 3)[:, :, 1], camera.grey(tilted, 3))
 
@@ -101,6 +102,7 @@ def test_contrast_to_the_veil_decays_by_the_law(law: str, density: float) -> Non
     assert contrast == pytest.approx(np.exp(-path), rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("water", [Water.grey(0.0), Water.of_type("3C")])
 @pytest.mark.parametrize("heading", [0.0, 0.7])
 def test_images_agree_with_a_slow_supersampled_renderer(
@@ -161,6 +163,7 @@ print(hashlib.sha256(camera.colour(pose, 77).tobytes()).hexdigest())
 """
 
 
+@pytest.mark.slow
 def test_two_processes_render_the_same_bytes() -> None:
     first, second = (
         subprocess.run(

@@ -44,6 +44,7 @@ def light(effects: Effects, motion: Array, frames: int = 32, water: Water | None
     return np.mean([camera.grey(motion, k) for k in range(frames)], axis=0)
 
 
+@pytest.mark.slow
 @given(
     camera=st.sampled_from(CAMERAS),
     corner=st.tuples(st.integers(-20, 310), st.integers(-20, 230)),
@@ -69,6 +70,7 @@ def test_region_has_the_bytes_of_the_whole_image_with_effects(
     assert np.array_equal(part[rows, columns], whole[rows, columns])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", CAMERAS, ids=[*ON, "all"])
 def test_grey_image_is_the_green_channel_with_effects(camera: Camera) -> None:
     motion = np.concatenate([START, [0.3, 0.1, 0.0, 0.0, 0.0, 0.2]])
@@ -229,6 +231,7 @@ class Keeps:
         return Track(self.corners, True, 0.0, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["fixed", "free"])
 def test_images_from_telemetry_are_those_of_the_run_with_every_effect(mode: str) -> None:
     benchmark = registry.benchmark("visibility-v1")

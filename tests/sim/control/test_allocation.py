@@ -16,6 +16,7 @@ accelerations = arrays(np.float64, 6, elements=st.floats(-2.0, 2.0))
 REGULARISATION = 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VEHICLES)
 @given(wanted=accelerations)
 def test_it_finds_the_bounded_least_squares_solution_of_scipy(name: str, wanted: Array) -> None:

@@ -76,6 +76,7 @@ def test_blind_drifts_with_the_bias_of_the_dvl() -> None:
     assert rows[-1, INDEX["distance"]] == pytest.approx(20.0 * np.hypot(0.02, 0.02), rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("vehicle", ["girona500", "bluerov2-heavy"])
 def test_the_oracle_holds_station_within_a_centimetre(vehicle: str) -> None:
     rows = driven("oracle", vehicle=vehicle)

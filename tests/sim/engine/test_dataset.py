@@ -125,6 +125,7 @@ def test_intrinsics_and_pose_project_the_target_onto_its_corners(
     assert across == pytest.approx(expected, rel=0.02)  # the camera looks straight down, about
 
 
+@pytest.mark.slow
 def test_the_same_configuration_and_seed_give_the_same_bytes(
     recorded: tuple[str, Configuration, Rows],
 ) -> None:
@@ -148,6 +149,7 @@ def test_time_and_colour_can_be_chosen(recorded: tuple[str, Configuration, Rows]
     assert picture.ndim == 3
 
 
+@pytest.mark.slow
 def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
     recorded: tuple[str, Configuration, Rows],
 ) -> None:

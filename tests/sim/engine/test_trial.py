@@ -154,6 +154,7 @@ def test_rows_are_delivered_once_a_second_and_the_rest_when_the_program_raises(
     assert np.isfinite(rows).all()
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bytes_and_load_bullet_only_for_contacts(
     run_short: RunOf,
 ) -> None:

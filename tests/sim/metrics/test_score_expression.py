@@ -176,6 +176,7 @@ def threads_that_take_turns_often() -> object:
     sys.setswitchinterval(before)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("threads_that_take_turns_often")
 def test_many_threads_can_parse_at_the_same_time() -> None:
     with ThreadPoolExecutor(8) as pool:

@@ -186,6 +186,7 @@ print(result.digest, np.count_nonzero(np.concatenate(rows)[:, INDEX["contact_n"]
 """
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
     answers = set()
     for hash_seed in ("1", "2"):
@@ -258,6 +259,7 @@ print(free, "pybullet" in sys.modules)
 """
 
 
+@pytest.mark.slow
 def test_bullet_is_loaded_only_where_something_can_touch_and_prints_nothing() -> None:
     done = subprocess.run(
         [sys.executable, "-c", FREE_RUN], capture_output=True, text=True, check=True, timeout=120
@@ -289,6 +291,7 @@ print(felt, plant.state[2])
 """
 
 
+@pytest.mark.slow
 def test_without_pybullet_nothing_is_felt_and_a_run_that_touches_nothing_is_the_same() -> None:
     printed = []
     for start in ("import sys\n", "import sys\nsys.modules['pybullet'] = None\n"):

@@ -90,6 +90,7 @@ def test_a_longer_level_begins_with_the_same_gust() -> None:
     assert np.array_equal(short, long[: short.size])
 
 
+@pytest.mark.slow
 def test_the_gust_does_not_jump() -> None:
     current = Current(0.4, pattern=STEADY, rng=streams(3, 0, 0).gust)
 

@@ -143,6 +143,7 @@ def test_the_first_acceleration_is_force_over_mass_plus_added_mass(name: str) ->
     assert plant.velocity() / 1e-4 == pytest.approx(expected, rel=2e-3, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(start=arrays(np.float64, 6, elements=st.floats(-1.0, 1.0)))
 @pytest.mark.parametrize("name", VEHICLES)
 def test_without_thrust_motion_only_decays(name: str, start: Array) -> None:
@@ -315,6 +316,7 @@ print(before == compiled(), min(before["seamark.sim.physics.dynamics.advance_hel
 """
 
 
+@pytest.mark.slow
 def test_after_warming_up_nothing_is_left_to_compile() -> None:
     done = subprocess.run(
         [sys.executable, "-c", COMPILED], capture_output=True, text=True, check=True, timeout=120

@@ -33,6 +33,7 @@ def test_drag_only_dissipates_energy(name: str, velocity: Array) -> None:
     assert wrench @ velocity <= 0.0
 
 
+@pytest.mark.slow
 @given(velocity=velocities)
 @pytest.mark.parametrize("name", VEHICLES)
 def test_coriolis_forces_do_no_work(name: str, velocity: Array) -> None:

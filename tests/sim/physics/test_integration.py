@@ -48,6 +48,7 @@ def test_the_working_step_is_exact_to_a_micrometre() -> None:
     assert np.abs(coarse - fine)[:3].max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["relative", "force"])
 @pytest.mark.parametrize("name", NAMES)
 def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> None:

@@ -60,6 +60,7 @@ def _python_text(rows: Rows) -> str:
     return "".join(",".join(line) + "\n" for line in lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "numbers",
     [

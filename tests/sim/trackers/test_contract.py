@@ -100,6 +100,7 @@ def test_the_ends_of_every_range_work(brief: Sequence, option: Option) -> None:
         assert np.isfinite(errors).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", AVAILABLE)
 @given(seed=st.integers(0, 10**6), kind=st.sampled_from(["noise", "black", "white", "stripes"]))
 @settings(max_examples=12, deadline=None)

@@ -104,6 +104,7 @@ def test_the_box_of_csrt_grows_with_the_target_and_that_of_kcf_does_not(short: S
     assert areas["csrt"] > 1.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ecc", "klt", "kcf", "csrt"])
 def test_the_number_of_threads_changes_nothing(brief: Sequence, name: str) -> None:
     before = cv2.getNumThreads()
@@ -122,6 +123,7 @@ def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, 
         make(name, warp=warp)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["klt", "ecc", "kcf", "csrt", "box"])
 def test_a_tracker_that_starts_again_makes_the_same_errors(short: Sequence, name: str) -> None:
     first, second = (short.follow(make(name))[0] for _ in range(2))

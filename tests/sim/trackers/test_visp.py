@@ -19,6 +19,7 @@ IC = {"criterion": "ssd", "method": "inverse_compositional"}
 here = pytest.mark.skipif(bool(build()), reason=f"ViSP is not installed: {REMEDY}")
 
 
+@pytest.mark.slow
 @here
 @pytest.mark.parametrize(
     ("options", "limit_px"),

@@ -163,6 +163,7 @@ def talkative(trial: int, listener: Listener) -> TrialOutcome:
     return TrialOutcome(result=_ANY)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("buffer_max", [0, 2**20, 2**26])
 def test_everything_arrives_in_the_order_of_the_trials_however_small_the_buffer(
     buffer_max: int,

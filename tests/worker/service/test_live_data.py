@@ -95,6 +95,7 @@ def _times(rows: int) -> Any:
     return [round(0.05 * row, 2) for row in range(rows)]
 
 
+@pytest.mark.slow
 def test_a_viewer_sees_rows_and_log_before_anything_is_stored(watched: Watched) -> None:
     viewer = Viewer(watched.hub(), watched.run_id)
     files, upload = watched.begin()
@@ -114,6 +115,7 @@ def test_a_viewer_sees_rows_and_log_before_anything_is_stored(watched: Watched) 
     assert watched.parts(watched.run_id) == 0
 
 
+@pytest.mark.slow
 def test_the_end_of_a_long_log_is_seen_before_it_is_stored(watched: Watched) -> None:
     viewer = Viewer(watched.hub(), watched.run_id)
     files, upload = watched.begin()
@@ -128,6 +130,7 @@ def test_the_end_of_a_long_log_is_seen_before_it_is_stored(watched: Watched) -> 
     upload.stop()
 
 
+@pytest.mark.slow
 def test_what_is_lost_on_the_way_is_healed_and_nothing_is_seen_twice(
     watched: Watched, monkeypatch: Any
 ) -> None:
@@ -151,6 +154,7 @@ def test_what_is_lost_on_the_way_is_healed_and_nothing_is_seen_twice(
     assert viewer.times() == sorted(set(viewer.times()))
 
 
+@pytest.mark.slow
 def test_rows_that_a_trial_takes_back_are_replaced_for_viewers(watched: Watched) -> None:
     viewer = Viewer(watched.hub(), watched.run_id)
     files, upload = watched.begin()
@@ -168,6 +172,7 @@ def test_rows_that_a_trial_takes_back_are_replaced_for_viewers(watched: Watched)
     assert watched.read(watched.run_id).rows()[:, 5].tolist() == [0.0] * 10 + [1.0] * 5
 
 
+@pytest.mark.slow
 def test_everything_is_published_once_whatever_the_number_of_viewers_and_web_processes(
     watched: Watched,
 ) -> None:
@@ -194,6 +199,7 @@ def test_everything_is_published_once_whatever_the_number_of_viewers_and_web_pro
     assert sizes[0][0] == numbered_rows(0, 10).nbytes
 
 
+@pytest.mark.slow
 def test_a_run_that_nobody_watches_is_not_published_and_leaves_nothing_in_the_broker(
     watched: Watched,
 ) -> None:
@@ -224,6 +230,7 @@ def test_a_run_that_nobody_watches_is_not_published_and_leaves_nothing_in_the_br
     assert watched.redis.keys("*") == []
 
 
+@pytest.mark.slow
 def test_a_run_ends_while_the_broker_is_away(watched: Watched) -> None:
     nowhere = Redis(unix_socket_path="/nothing/here")
     files = RunFiles(storage.workspace(watched.worker), 9, 1)

@@ -5,11 +5,14 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 from seamark.server.mail import addresses
 from tests.cast import Backend
 from tests.services import smtp
 
 
+@pytest.mark.slow
 def test_the_process_of_a_worker_sends_what_waits_and_ends_when_asked(backend: Backend) -> None:
     with smtp.server() as (inbox, url):
         with backend.database.writing() as session:

@@ -46,6 +46,7 @@ def _end(upload: RunUpload) -> None:
     upload.complete(lambda: None, within_s=10.0)
 
 
+@pytest.mark.slow
 def test_a_run_is_read_while_it_goes_on_and_as_it_was_written_when_it_has_ended(
     machines: Machines,
 ) -> None:

@@ -158,6 +158,7 @@ def started(reports: Reports) -> Iterator[Callable[[dict[str, list[str]]], SideP
     made[0].join()
 
 
+@pytest.mark.slow
 def test_a_side_process_that_always_dies_at_once_shows_as_broken_and_the_other_runs(
     started, reports: Reports
 ) -> None:
@@ -169,6 +170,7 @@ def test_a_side_process_that_always_dies_at_once_shows_as_broken_and_the_other_r
     assert {state["fine"] for state in reports.states} == {"running"}
 
 
+@pytest.mark.slow
 def test_a_report_that_fails_ends_nothing(started, reports: Reports) -> None:
     reports.fails = True
     started({"fine": LIVES})
@@ -189,6 +191,7 @@ def test_a_stop_ends_all_side_processes(started, reports: Reports, command: list
     assert reports.left_after == len(reports.states)
 
 
+@pytest.mark.slow
 def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
     held = threading.Lock()
 

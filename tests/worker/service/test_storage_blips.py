@@ -189,6 +189,7 @@ def test_a_claimed_run_keeps_its_lease_while_its_program_cannot_be_fetched(
     assert backend.show(claim.run_id).attempt == 1
 
 
+@pytest.mark.slow
 def test_a_claimed_check_keeps_its_lease_while_its_program_cannot_be_fetched(
     backend: Backend, storage: FaultyS3, tmp_path: Path
 ) -> None:

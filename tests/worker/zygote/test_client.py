@@ -86,6 +86,7 @@ def test_a_box_that_fails_is_told_from_a_simulator_that_crashes(
     assert raised.type is kind
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(COMPILED_S + 60)
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)

@@ -109,6 +109,7 @@ def test_other_packets_and_other_senders_are_ignored() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_an_autopilot_that_falls_silent_ends_the_run() -> None:
     with _link([], answer_within_s=0.2) as link:
         program = ArduSub(link, wait_for_arming=False, say=lambda _sentence: None)

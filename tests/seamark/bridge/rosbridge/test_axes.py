@@ -60,6 +60,7 @@ def run(open_bridge: Open, axes: Axes, twist: dict[str, Any]) -> tuple[dict[str,
     return found, np.concatenate(parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axes", Axes)
 def test_the_same_pi_has_the_digest_of_the_built_in_one_in_both_axes(
     open_bridge: Open, axes: Axes

@@ -184,6 +184,7 @@ def test_a_token_follows_no_redirect(status: int, host: str) -> None:
     assert TOKEN not in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "waits", [["-1"], ["soon"], ["0"], [""], ["Wed, 21 Oct 2015 07:28:00 GMT"], ["0", "-5"], []]
 )

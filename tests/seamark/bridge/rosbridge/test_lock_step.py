@@ -32,6 +32,7 @@ def _finish(bridged: Bridged, running: Running) -> Any:
     return outcome
 
 
+@pytest.mark.slow
 def test_the_example_with_roslibpy_has_the_digest_of_the_built_in_pi(open_bridge: Open) -> None:
     bridged = open_bridge()
     running = bridged.start()
@@ -47,6 +48,7 @@ def test_the_example_with_roslibpy_has_the_digest_of_the_built_in_pi(open_bridge
     assert printed.decode() == "over\n"
 
 
+@pytest.mark.slow
 def test_a_program_has_the_same_digest_however_slowly_it_answers(open_bridge: Open) -> None:
     digests = set()
     for delay_s in (0.0, 0.01):
@@ -112,6 +114,7 @@ def test_a_run_that_nobody_begins_ends_if_its_place_is_for_others_too(open_bridg
     assert "within 0.3 s after the observation at t = 0 s" in outcome.sentence
 
 
+@pytest.mark.slow
 def test_a_program_that_answers_each_observation_in_time_ends_when_its_time_is_over(
     open_bridge: Open,
 ) -> None:
@@ -194,6 +197,7 @@ def test_a_stamped_reference_answers_its_own_observation_only(open_bridge: Open)
     assert "disconnected at t = 0.1 s" in running.outcome().sentence
 
 
+@pytest.mark.slow
 def test_with_real_time_a_program_may_publish_by_its_own_clock(open_bridge: Open) -> None:
     bridged = open_bridge(real_time=True)
     running = bridged.start(levels=[0.3], level_duration_s=2)

@@ -268,6 +268,7 @@ def test_what_a_restore_leaves_that_broke_off_is_no_service_until_it_is_repeated
     restored.database.close()
 
 
+@pytest.mark.slow
 def test_a_service_is_replaced_only_by_force_and_only_when_it_has_stopped(
     both: Backend, tmp_path: Path
 ) -> None:

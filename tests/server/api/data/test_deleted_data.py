@@ -1,5 +1,7 @@
 """Data that an owner deletes: what stays, and what says that they are gone."""
 
+import pytest
+
 from tests.server.api.conftest import Site
 
 
@@ -20,6 +22,7 @@ def test_the_result_of_a_run_stays_without_its_data(site: Site) -> None:
         assert site.call("owner", "GET", f"{path}/{file}").status_code == 200
 
 
+@pytest.mark.slow
 def test_deleted_files_are_gone_not_empty(site: Site) -> None:
     path = _delete(site)
 

@@ -32,6 +32,7 @@ def convert_with(site: Site, conversions: Conversions) -> None:
     site.app.extensions["seamark"] = replace(site.services, conversions=conversions)
 
 
+@pytest.mark.slow
 def test_each_format_has_the_rows_of_the_run(site: Site) -> None:
     run_id = site.recorded()
     rows = RunFiles(site.settings.data, run_id, 1).rows()
@@ -45,6 +46,7 @@ def test_each_format_has_the_rows_of_the_run(site: Site) -> None:
     assert found["distance"].tobytes() == rows[:, list(npz.dtype.names).index("distance")].tobytes()
 
 
+@pytest.mark.slow
 def test_mcap_has_the_rows_and_an_image_per_second(site: Site) -> None:
     content = fetch(site, site.recorded(), "mcap").data
 
@@ -57,6 +59,7 @@ def test_mcap_has_the_rows_and_an_image_per_second(site: Site) -> None:
     assert (found["/telemetry"], found["/camera/image/compressed"]) == (40, 2)
 
 
+@pytest.mark.slow
 def test_a_live_run_can_be_downloaded_in_each_format(site: Site) -> None:
     run_id = site.running().run_id
     site.record(run_id, rows=30)
@@ -90,6 +93,7 @@ def test_a_program_that_is_private_is_not_in_the_archive_of_others(site: Site) -
     assert fetch(site, run_id, "archive", role="guest").status_code == 404
 
 
+@pytest.mark.slow
 def test_hidden_seeds_are_not_in_the_archive(site: Site) -> None:
     run_id = site.publish(site.recorded(kind="ranked"))
     archive = zipfile.ZipFile(io.BytesIO(fetch(site, run_id, "archive", role="other").data))
@@ -99,6 +103,7 @@ def test_hidden_seeds_are_not_in_the_archive(site: Site) -> None:
     assert manifest["trials"] == [{"seed": None}]
 
 
+@pytest.mark.slow
 def test_who_has_the_file_already_is_not_sent_it_again(site: Site) -> None:
     run_id = site.recorded()
     first = fetch(site, run_id, "npz")

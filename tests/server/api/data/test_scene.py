@@ -57,6 +57,7 @@ def test_the_scene_has_daylight_and_lamp_of_the_run(site: Site) -> None:
     assert (lights[1]["level"], lights[1]["lamp"]) == (1.0, 0.0)
 
 
+@pytest.mark.slow
 def test_the_seabed_is_the_texture_of_the_camera_and_the_target_has_its_letters(
     site: Site,
 ) -> None:

@@ -58,6 +58,7 @@ def test_the_extremes_of_a_long_trial_have_its_single_peak(site: Site, long_run:
     assert (np.diff(found["t"]) >= 0).all()
 
 
+@pytest.mark.slow
 def test_a_range_outside_the_trial_is_empty(site: Site, long_run: int) -> None:
     for sample in ("rows", "extremes"):
         found = _series(site, long_run, f"columns=x&sample={sample}&start=3000&stop=3010")

@@ -51,6 +51,7 @@ def _ends(connection: socket.socket) -> None:
     connection.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("role", ["owner", "admin"])
 def test_the_stream_of_a_revoked_token_ends_and_that_of_another_goes_on(
     site: Site, role: str
@@ -67,6 +68,7 @@ def test_the_stream_of_a_revoked_token_ends_and_that_of_another_goes_on(
         _ends(revoked)
 
 
+@pytest.mark.slow
 def test_the_stream_of_a_browser_that_signs_out_ends_and_that_of_another_goes_on(
     site: Site,
 ) -> None:

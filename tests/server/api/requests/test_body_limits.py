@@ -92,6 +92,7 @@ def _memory_mib(name: str) -> float:
     return next(int(line.split()[1]) / 1024 for line in lines if line.startswith(name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_no_request_costs_much_time_memory_or_output(site: Site, attack: str) -> None:
     site.app.config["WTF_CSRF_METHODS"] = []  # whoever attacks has a valid token

@@ -49,6 +49,7 @@ def test_without_a_worker_a_check_is_queued_and_can_be_polled(site: Site) -> Non
     assert later.headers["Retry-After"] == "1"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "status", "kind"),
     [

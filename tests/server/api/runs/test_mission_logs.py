@@ -26,6 +26,7 @@ def _open(site: Site, content: bytes, name: str = "log.csv", **fields: Any) -> T
     return site.call("owner", "POST", "/api/v1/logs", data=data)
 
 
+@pytest.mark.slow
 def test_a_log_becomes_a_private_run_with_metrics_and_rows_that_can_be_deleted(site: Site) -> None:
     opened = _open(site, gzip.compress(_poses()), "mission.csv.gz", title="pool", notes="day 2")
 
@@ -49,6 +50,7 @@ def test_a_log_becomes_a_private_run_with_metrics_and_rows_that_can_be_deleted(s
     assert site.call("owner", "GET", f"{path}/telemetry.csv").status_code == 410
 
 
+@pytest.mark.slow
 def test_a_log_is_not_run_again_and_never_ranks_even_when_it_is_public(site: Site) -> None:
     mapping = "settings = {settle_s = 0, levels = [0.2]}"
     path = _open(site, _poses(), mapping=mapping).headers["Location"]
@@ -64,6 +66,7 @@ def test_a_log_is_not_run_again_and_never_ranks_even_when_it_is_public(site: Sit
         assert session.query(Best).count() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "name", "fields", "sentence"),
     [
@@ -82,6 +85,7 @@ def test_a_log_that_cannot_be_opened_is_refused_with_the_reason(
     assert sentence in refused.get_json()["detail"]
 
 
+@pytest.mark.slow
 def test_a_log_without_a_pose_has_nothing_for_the_player(site: Site) -> None:
     names = ["t", *(f"corner_{i}" for i in range(8))]
     lines = [",".join(map(str, [0.05 * at, *range(8)])) for at in range(40)]

@@ -114,6 +114,7 @@ def test_badge_and_citations_of_a_ranked_run_do_not_mention_practice_or_trials(s
     assert not any(word in text.lower() for text in texts for word in ("practice", "trial"))
 
 
+@pytest.mark.slow
 def test_the_archive_of_a_public_run_is_ready_to_be_cited_and_deposited(site: Site) -> None:
     run_id = site.publish(site.recorded(), licence="MIT")
 

@@ -37,6 +37,7 @@ def test_a_repeated_submission_answers_as_the_first(site: Site, body: dict[str, 
     assert _runs(site) == 2 * count
 
 
+@pytest.mark.slow
 def test_a_repeated_upload_starts_one_run(site: Site) -> None:
     def upload(source: bytes) -> Any:
         run = json.dumps({"benchmark": "currents-v1"})

@@ -41,6 +41,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is_connected(
     assert reason in answer.text
 
 
+@pytest.mark.slow
 def test_a_cookie_connects_no_program(site: Site) -> None:
     browser = site.client()
     with site.app.app_context(), browser.session_transaction() as session:

@@ -73,6 +73,7 @@ def test_a_run_is_counted_once_when_it_ends_and_its_wait_when_it_starts(both: Ba
     assert value(found, ended, kind="practice", state="failed", cause="user_error") == 1
 
 
+@pytest.mark.slow
 def test_a_transaction_that_is_rolled_back_counts_nothing(site: Site) -> None:
     site.queue()
 

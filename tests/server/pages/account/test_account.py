@@ -26,6 +26,7 @@ def test_signing_up_signs_in_and_out_again(site: Site) -> None:
     assert (">cleo<" in inside, ">cleo<" in outside) == (True, False)
 
 
+@pytest.mark.slow
 def test_a_wrong_password_and_an_unknown_name_get_the_same_answer(site: Site) -> None:
     site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
 
@@ -36,6 +37,7 @@ def test_a_wrong_password_and_an_unknown_name_get_the_same_answer(site: Site) ->
     assert refusal("cleo") == refusal("nobody")
 
 
+@pytest.mark.slow
 def test_the_right_password_signs_in(site: Site) -> None:
     site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
     browser = site.browser()
@@ -45,6 +47,7 @@ def test_the_right_password_signs_in(site: Site) -> None:
     assert (answer.status_code, answer.headers["Location"]) == (302, "/runs/")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "wanted", ["https://evil.example/", "//evil.example", "/\\evil.example", "\\\\evil.example", ""]
 )
@@ -66,6 +69,7 @@ def test_a_refused_account_says_why_and_keeps_the_name(
     assert 'role="alert"' in answer.text
 
 
+@pytest.mark.slow
 def test_guessing_passwords_is_rate_limited(site: Site) -> None:
     browser = site.browser()
 
@@ -122,6 +126,7 @@ def test_the_cookie_is_http_only_and_same_site(site: Site) -> None:
     assert "SameSite=Lax" in cookie
 
 
+@pytest.mark.slow
 def test_the_runs_of_a_guest_move_to_the_account_at_sign_up_and_sign_in(site: Site) -> None:
     browser = site.browser()
     order = {"controller": "pi"}
@@ -140,6 +145,7 @@ def test_the_runs_of_a_guest_move_to_the_account_at_sign_up_and_sign_in(site: Si
     assert "#1" in browser.get("/runs/").text
 
 
+@pytest.mark.slow
 def test_an_account_does_not_get_the_runs_of_another_guest(site: Site) -> None:
     site.browser().post("/submit/currents-v1", {"controller": "pi"})
 
@@ -149,6 +155,7 @@ def test_an_account_does_not_get_the_runs_of_another_guest(site: Site) -> None:
     assert site.show(1).user_id is None
 
 
+@pytest.mark.slow
 def test_a_new_password_replaces_the_old_one_and_signs_other_browsers_out(site: Site) -> None:
     own, other = site.browser(), site.browser()
     own.post("/sign-up", {"name": "cleo", "password": WORDS})
@@ -164,6 +171,7 @@ def test_a_new_password_replaces_the_old_one_and_signs_other_browsers_out(site: 
         assert signed.status_code == status
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
@@ -200,6 +208,7 @@ def test_a_copied_cookie_is_worth_nothing_after_signing_out(site: Site) -> None:
     assert ">cleo<" not in thief.get("/").text
 
 
+@pytest.mark.slow
 def test_a_password_change_revokes_the_tokens(site: Site) -> None:
     browser = site.browser()
     browser.post("/sign-up", {"name": "cleo", "password": WORDS})
@@ -231,6 +240,7 @@ def test_an_account_has_at_most_twenty_signed_in_browsers(site: Site) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["/\r\nSet-Cookie: a=b", "/a\nb", "/a\0b", "/\u2028"])
 def test_a_line_break_in_the_return_address_is_ignored(site: Site, target: str) -> None:
     browser = site.browser()

@@ -21,6 +21,7 @@ from tests.services import oidc
 from tests.services.oidc import Person, Provider
 
 
+@pytest.mark.slow
 def test_the_first_sign_in_creates_an_account_and_the_next_one_finds_it(
     federated: Site, provider: Provider
 ) -> None:
@@ -58,6 +59,7 @@ def test_the_browser_is_sent_with_state_nonce_and_a_challenge(
     assert oidc.SECRET not in there.query
 
 
+@pytest.mark.slow
 def test_an_account_is_found_by_the_subject_and_never_by_the_name(
     federated: Site, provider: Provider
 ) -> None:
@@ -83,6 +85,7 @@ def test_a_disabled_account_is_not_signed_in(federated: Site) -> None:
     assert not is_in(browser, "cleo")
 
 
+@pytest.mark.slow
 def test_signing_up_by_the_provider_has_a_setting_of_its_own(
     backend: Backend, provider: Provider
 ) -> None:
@@ -103,6 +106,7 @@ def test_signing_up_by_the_provider_has_a_setting_of_its_own(
     assert statuses == {"closed": 403, "invitation": 422, "invited": 303, "open": 303}
 
 
+@pytest.mark.slow
 def test_an_account_is_linked_after_a_question_and_with_the_password(
     federated: Site, provider: Provider
 ) -> None:
@@ -131,6 +135,7 @@ def test_an_account_is_linked_after_a_question_and_with_the_password(
     assert done == wanted
 
 
+@pytest.mark.slow
 def test_an_identity_has_one_account_and_an_account_one_identity(
     federated: Site, provider: Provider
 ) -> None:
@@ -150,6 +155,7 @@ def test_an_identity_has_one_account_and_an_account_one_identity(
     assert "Another identity is linked" in third.text
 
 
+@pytest.mark.slow
 def test_the_only_way_into_an_account_is_not_unlinked(federated: Site) -> None:
     browser = create(federated)
 
@@ -161,6 +167,7 @@ def test_the_only_way_into_an_account_is_not_unlinked(federated: Site) -> None:
     assert (with_one.status_code, unlinked.status_code) == (302, 303)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "form"),
     [
@@ -184,6 +191,7 @@ def test_an_account_without_a_password_is_changed_soon_after_signing_in_only(
     assert soon.status_code in {302, 303}
 
 
+@pytest.mark.slow
 def test_a_kept_identity_is_worth_nothing_after_a_while(
     federated: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -40,6 +40,7 @@ WRONG_TOKENS = {
 }
 
 
+@pytest.mark.slow
 def test_a_token_that_is_not_for_this_sign_in_signs_nobody_in(
     federated: Site, provider: Provider
 ) -> None:
@@ -55,6 +56,7 @@ def test_a_token_that_is_not_for_this_sign_in_signs_nobody_in(
     assert outcomes == dict.fromkeys(WRONG_TOKENS, (403, True, False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("attack", ["another key", "HS256", "none"])
 def test_a_token_that_the_provider_has_not_signed_signs_nobody_in(
     backend: Backend, federated: Site, provider: Provider, attack: str
@@ -74,6 +76,7 @@ def test_a_token_that_the_provider_has_not_signed_signs_nobody_in(
     assert (answer.status_code, is_in(browser, "cleo")) == (403, False)
 
 
+@pytest.mark.slow
 def test_what_comes_back_to_another_browser_signs_nobody_in(federated: Site) -> None:
     create(federated)
     own, victim = federated.browser(), federated.browser()
@@ -89,6 +92,7 @@ def test_what_comes_back_to_another_browser_signs_nobody_in(federated: Site) -> 
     assert (is_in(own, "cleo"), is_in(victim, "cleo")) == (False, False)
 
 
+@pytest.mark.slow
 def test_a_code_works_once(federated: Site) -> None:
     create(federated)
     browser = federated.browser()
@@ -105,6 +109,7 @@ def test_a_code_works_once(federated: Site) -> None:
     assert (first.status_code, again.status_code) == (302, 403)
 
 
+@pytest.mark.slow
 def test_a_code_is_worth_nothing_without_the_verifier_of_its_browser(federated: Site) -> None:
     create(federated)
     thief = federated.browser()
@@ -127,6 +132,7 @@ def test_a_refusal_at_the_provider_is_said_on_a_page(federated: Site) -> None:
     assert "access_denied" not in answer.text
 
 
+@pytest.mark.slow
 def test_signing_in_never_leads_to_another_site(federated: Site) -> None:
     create(federated)
     evil = ["https://evil.example/", "//evil.example", "/\\evil.example", "\\\\evil.example"]

@@ -20,6 +20,7 @@ def invited_only(site: Site) -> Site:
     return site
 
 
+@pytest.mark.slow
 def test_each_invitation_of_a_teacher_makes_one_account(invited_only: Site) -> None:
     made = invited_only.browser("tim").post("/invitations", {"count": "2", "days": "3"})
     addresses = ADDRESS.findall(made.text)
@@ -55,6 +56,7 @@ def test_an_account_has_a_limited_number_of_unused_invitations(site: Site) -> No
     assert statuses == [422, 200, 422]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", ["-1", "0", "1000000", "x", ""])
 def test_a_form_makes_one_to_a_hundred_invitations(site: Site, count: str) -> None:
     made = site.browser("tim").post("/invitations", {"count": count, "days": "1e9"}).text

@@ -55,6 +55,7 @@ def confirmed(site: Site) -> None:
     site.browser().post("/mail/confirm", {"link": link_of(site, "ann")})
 
 
+@pytest.mark.slow
 def test_an_address_is_entered_confirmed_and_removed_on_the_pages(mailing: Site) -> None:
     browser = mailing.browser("ann")
 
@@ -119,6 +120,7 @@ def test_the_answer_is_the_same_for_an_address_that_nobody_has(mailing: Site) ->
     assert kinds(mailing)[1:] == [MailKind.RESET, MailKind.RESET]
 
 
+@pytest.mark.slow
 def test_notices_are_chosen_on_the_page_and_by_the_api(mailing: Site) -> None:
     browser = mailing.browser("ann")
     early = browser.post("/account/mail/notify", {"minutes": "30"})
@@ -139,6 +141,7 @@ def test_notices_are_chosen_on_the_page_and_by_the_api(mailing: Site) -> None:
     assert final["notify_minutes"] is None
 
 
+@pytest.mark.slow
 def test_the_data_of_an_account_have_its_address_and_its_identities(mailing: Site) -> None:
     confirmed(mailing)
     with mailing.database.writing() as session:
@@ -153,6 +156,7 @@ def test_the_data_of_an_account_have_its_address_and_its_identities(mailing: Sit
     assert account["identities"] == [linked]
 
 
+@pytest.mark.slow
 def test_nobody_else_sees_an_address(mailing: Site) -> None:
     confirmed(mailing)
     ann = mailing.user_id("ann")

@@ -26,6 +26,7 @@ def test_a_profile_is_shown_with_links_that_say_whose_they_are(site: Site) -> No
     assert {name: stored[name] for name in FILLED} == FILLED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "address",
     [

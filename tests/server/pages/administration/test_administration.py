@@ -120,6 +120,7 @@ def test_users_are_found_by_a_part_of_the_name_the_role_and_whether_disabled(sit
     assert names("q=%25") == []
 
 
+@pytest.mark.slow
 def test_a_disabled_account_is_refused_at_once_and_comes_back(site: Site) -> None:
     _with_password(site, "ann")
     with site.database.writing() as session:
@@ -164,6 +165,7 @@ def test_a_quota_of_ones_own_counts_instead_of_the_setting(site: Site) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["-1", "1e3", "x", "100001", "9" * 40])
 def test_a_quota_that_is_no_sensible_number_is_refused(site: Site, number: str) -> None:
     account = f"/admin/users/{site.user_id('ann')}"
@@ -193,6 +195,7 @@ def test_an_admin_cannot_lock_the_own_account(site: Site, path: str, form: dict[
     assert _log(site) == []
 
 
+@pytest.mark.slow
 def test_a_link_for_a_new_password_is_shown_once_and_works(site: Site) -> None:
     answer = site.browser("root").post(f"/admin/users/{site.user_id('ann')}/reset")
     (link,) = re.findall(r"/reset\?link=([\w-]+)", answer.text)
@@ -247,6 +250,7 @@ def _until_blocked(site: Site, name: str) -> None:
     assert 429 in statuses
 
 
+@pytest.mark.slow
 def test_blocked_sign_ins_are_in_the_log_once_and_without_what_was_typed(site: Site) -> None:
     for name in ("ann", "ann", "my secret words"):
         _until_blocked(site, name)
@@ -294,6 +298,7 @@ def test_who_cancels_an_own_run_leaves_no_entry(site: Site) -> None:
     assert _log(site) == []
 
 
+@pytest.mark.slow
 def test_the_storage_page_shows_a_measurement_and_asks_a_worker_to_delete(site: Site) -> None:
     root, path = site.browser("root"), "/admin/storage"
     site.succeeded("ann", controller="upload", program=site.store_program())

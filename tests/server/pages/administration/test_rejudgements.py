@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
@@ -37,6 +38,7 @@ def test_the_form_says_how_many_runs_match_and_what_they_take(site: Site) -> Non
     assert "“yesterday” is not a date" in wrong
 
 
+@pytest.mark.slow
 def test_results_that_differ_are_shown_accepted_and_explained_to_the_owner(site: Site) -> None:
     run_id = site.succeeded("ann")
     RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))

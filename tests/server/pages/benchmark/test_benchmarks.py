@@ -56,6 +56,7 @@ def test_no_two_headings_of_a_page_share_an_anchor(site: Site, name: str) -> Non
         assert len(anchors) == len(set(anchors)), page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", registry.BENCHMARKS)
 def test_the_contents_lead_to_the_headings(site: Site, name: str) -> None:
     page = text_of(site, name)

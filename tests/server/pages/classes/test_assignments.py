@@ -3,6 +3,8 @@
 import csv
 import re
 
+import pytest
+
 from seamark.sandbox.languages import editor_starters
 from tests.server.classes.class_cast import assign, classroom
 from tests.server.pages.conftest import Site
@@ -70,6 +72,7 @@ def test_a_form_without_a_run_asks_to_choose_one(site: Site) -> None:
     assert "Choose one of your runs." in refused.text
 
 
+@pytest.mark.slow
 def test_teacher_and_pupil_see_that_a_starter_program_was_handed_in_unchanged(site: Site) -> None:
     assignment = assign(site, classroom(site, "ann", "ben"))
     starter = editor_starters("controller")["python"].text()

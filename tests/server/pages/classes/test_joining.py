@@ -46,6 +46,7 @@ def with_settings(site: Site, **changes: object) -> Site:
     return site
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["open", "invitation"])
 def test_who_has_no_account_signs_up_by_the_link_and_is_in_the_class(site: Site, mode: str) -> None:
     class_id = classroom(site)
@@ -58,6 +59,7 @@ def test_who_has_no_account_signs_up_by_the_link_and_is_in_the_class(site: Site,
     assert room(site, class_id).pupils == 1
 
 
+@pytest.mark.slow
 def test_a_school_with_one_address_signs_up_by_the_link_beyond_the_limit_of_an_address(
     site: Site,
 ) -> None:
@@ -120,6 +122,7 @@ def test_a_link_makes_no_account_where_sign_up_is_closed(site: Site) -> None:
     assert stranger.post("/sign-up", form).status_code == 403
 
 
+@pytest.mark.slow
 def test_guessing_links_ends_after_a_few_hundred(site: Site) -> None:
     browser = site.browser()
 

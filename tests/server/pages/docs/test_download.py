@@ -11,6 +11,7 @@ from tests.server.pages.conftest import Site
 _TAG = re.compile(r"<[^<>]+>")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TAGS)
 def test_the_service_sends_it_and_says_when_it_is_unchanged(site: Site, name: str) -> None:
     own, guest = OwnWheel(name).get("http://localhost"), site.browser()

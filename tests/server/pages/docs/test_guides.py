@@ -23,6 +23,7 @@ NAMES = sorted(path.name for path in DOCS.glob("*.md"))
 LINK = re.compile(r'(?:href|src)="([^"]+)"')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_guide_is_listed_and_its_links_work(site: Site, name: str) -> None:
     browser = site.browser()
@@ -45,6 +46,7 @@ def test_a_guide_is_listed_and_its_links_work(site: Site, name: str) -> None:
     } == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["nothing.md", "../README.md", "figures", "figures/nothing.png"])
 def test_a_path_that_is_no_guide_is_not_found(site: Site, name: str) -> None:
     assert site.browser().get(f"/docs/guides/{name}").status_code == 404

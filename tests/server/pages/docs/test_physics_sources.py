@@ -36,6 +36,7 @@ def test_a_benchmark_shows_every_setting_with_its_source(site: Site, name: str) 
     assert {source for source in sources if source not in page} == set()
 
 
+@pytest.mark.slow
 def test_a_vehicle_can_be_downloaded_as_urdf(site: Site) -> None:
     answer = site.browser().get("/docs/physics/bluerov2-heavy.urdf")
 

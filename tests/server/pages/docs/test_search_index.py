@@ -37,6 +37,7 @@ ANSWERS = {  # question of a newcomer -> section that answers it
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("query", "address"),
     [

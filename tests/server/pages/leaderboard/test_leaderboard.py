@@ -138,6 +138,7 @@ def test_filters_of_page_and_api_agree(site: Site) -> None:
     assert site.browser().get(f"{API}?mine=1").status_code == 401
 
 
+@pytest.mark.slow
 def test_filters_appear_only_when_there_is_something_to_filter(site: Site) -> None:
     def offered(query: str = "") -> list[str]:
         form = site.browser().get(PAGE + query).text.partition('<form class="board-filters"')[2]

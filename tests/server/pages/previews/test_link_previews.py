@@ -79,6 +79,7 @@ def test_a_leaderboard_and_a_comparison_have_a_preview_with_a_picture(site: Site
     assert "eva leads with 50.00" in _meta(site.browser().get(pages[0]).text)["og:description"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["/", "/benchmarks/currents-v2"])
 def test_home_and_benchmarks_have_a_preview_with_a_picture(site: Site, path: str) -> None:
     stranger = site.browser()
@@ -158,6 +159,7 @@ def test_a_run_without_telemetry_and_score_has_a_picture(site: Site) -> None:
     assert _is_a_picture(site.browser("ann").get(f"/runs/{run_id}/preview.jpg").data)
 
 
+@pytest.mark.slow
 def test_only_the_last_pictures_are_kept(site: Site) -> None:
     site.published("eva", kind="ranked")
     with site.database.reading() as session:

@@ -97,6 +97,7 @@ def test_the_form_leads_back_where_there_is_nothing_to_publish(site: Site, state
     assert (answer.status_code, answer.location) == (303, f"/runs/{run_id}")
 
 
+@pytest.mark.slow
 def test_the_page_of_a_public_run_cites_it_and_its_owner_can_have_it_verified(site: Site) -> None:
     run_id = site.published("ann", kind="ranked", title="R&D <b>")
     ann = site.browser("ann")

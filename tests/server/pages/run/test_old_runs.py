@@ -27,6 +27,7 @@ def old_run(site: Site, request: pytest.FixtureRequest) -> int:
     return run_id
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     [

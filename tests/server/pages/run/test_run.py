@@ -196,6 +196,7 @@ def _two_parts(gap: dict[str, float | None]) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gap", "sentence"),
     [

@@ -4,6 +4,7 @@ import io
 import re
 from html.parser import HTMLParser
 
+import pytest
 from sqlalchemy import update
 
 from seamark.server.classes import assignments
@@ -92,6 +93,7 @@ def test_an_uploaded_program_runs_again_without_choosing_it_again(site: Site) ->
     assert again.program_name == "mine.py"
 
 
+@pytest.mark.slow
 def test_one_setting_can_be_changed_and_the_rest_stays(site: Site) -> None:
     first = site.queue_program("ann", config={"kp": 0.4, "ki": 0.01}, seed=11)
 
@@ -100,6 +102,7 @@ def test_one_setting_can_be_changed_and_the_rest_stays(site: Site) -> None:
     assert (again.config["kp"], again.config["ki"], again.seed) == (0.7, 0.01, 11)
 
 
+@pytest.mark.slow
 def test_a_program_that_was_written_in_the_editor_opens_there(site: Site) -> None:
     browser = site.browser("ann")
     source = "class Controller:\n    def __init__(self, config): ...\n    def step(self, o): ...\n"
@@ -152,6 +155,7 @@ def test_a_private_run_of_somebody_else_fills_in_nothing(site: Site) -> None:
     assert site.show(int(forged.headers["Location"].rsplit("/", 1)[-1])).rerun_of is None
 
 
+@pytest.mark.slow
 def test_an_upload_replaces_the_program_of_the_earlier_run(site: Site) -> None:
     first = site.queue_program("ann")
     source = b"class Controller:\n    def __init__(self, c): ...\n    def step(self, o): ...\n"

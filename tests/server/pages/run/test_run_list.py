@@ -130,6 +130,7 @@ def test_title_and_notes_are_changed_by_page_and_api_alike_and_escaped(site: Sit
     assert "&lt;b&gt;new&lt;/b&gt;" in browser.get(f"/runs/{run_id}").text
 
 
+@pytest.mark.slow
 def test_a_run_is_deleted_by_page_and_api_alike(site: Site) -> None:
     by_page, by_api, public = site.succeeded("ann"), site.succeeded("ann"), site.published("ann")
     browser = site.browser("ann")

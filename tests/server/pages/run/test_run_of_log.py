@@ -43,6 +43,7 @@ def page(site: Site) -> str:
     return _opened(site, POSE)
 
 
+@pytest.mark.slow
 def test_a_log_without_a_tracker_says_nothing_about_a_tracker(page: str) -> None:
     shown = page[page.index("<main") : page.index("Columns and origin")]
     of_tracker = ("tracker", "Target first lost", "Ground truth", "target was lost")
@@ -51,6 +52,7 @@ def test_a_log_without_a_tracker_says_nothing_about_a_tracker(page: str) -> None
     assert "tracker_ok" not in {column["name"] for column in _data(page)["columns"]}
 
 
+@pytest.mark.slow
 def test_a_log_without_a_tracker_shows_metres(page: str) -> None:
     units = {chart["unit"] for chart in _data(page)["charts"]}
 
@@ -60,6 +62,7 @@ def test_a_log_without_a_tracker_shows_metres(page: str) -> None:
     assert re.search(r"<dt>RMSE of the distance</dt><dd>[\d.]+ <small>m</small>", page)
 
 
+@pytest.mark.slow
 def test_a_log_has_no_table_of_dashes(page: str) -> None:
     tables = page[page.index("metrics-title") : page.index("log-origin-title")]
 
@@ -67,6 +70,7 @@ def test_a_log_has_no_table_of_dashes(page: str) -> None:
     assert '<td class="num">–</td>' not in tables
 
 
+@pytest.mark.slow
 def test_a_log_with_corners_shows_pixels_and_its_tracker(site: Site) -> None:
     page = _opened(site, (*POSE, *CORNERS))
 

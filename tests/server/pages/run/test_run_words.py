@@ -68,6 +68,7 @@ def test_an_uploaded_tracker_is_shown_without_the_options_of_the_built_in_one(si
     assert ["Camera altitude" in page for page in pages] == [True, True]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("config", "marked"),
     [({}, False), ({"kp": 0.3}, False), ({"levels": [0.0, 0.1], "level_duration_s": 60}, True)],

@@ -82,6 +82,7 @@ def test_a_wrong_number_of_trials_is_refused(site: Site, trials: str) -> None:
     assert "trials" in answer.text
 
 
+@pytest.mark.slow
 def test_a_form_without_a_controller_names_the_choices(site: Site) -> None:
     answer = site.browser().post(FORM, {"controller": ""})
 
@@ -148,6 +149,7 @@ def test_a_program_from_the_editor_is_queued(site: Site) -> None:
     assert site.show(_new_run(site.browser("ann"), **fields)).program_name == "controller.py"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("language", "name"), [("c", "controller.c"), ("c++", "controller.cpp")])
 def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
     site: Site, language: str, name: str
@@ -260,6 +262,7 @@ def test_an_uploaded_file_is_kept_when_another_field_is_invalid(site: Site) -> N
     assert (run.program_name, run.language) == ("mine.py", "python")
 
 
+@pytest.mark.slow
 def test_a_kept_file_belongs_to_its_sender_and_cannot_be_forged(site: Site) -> None:
     kept = _kept(_refused(site))
 

@@ -80,6 +80,7 @@ def test_the_button_of_a_form_that_is_shown_again_says_how_many_runs_it_starts(
     assert f"<span data-submit-label>{label}</span>" in answer.text
 
 
+@pytest.mark.slow
 def test_the_page_of_a_sweep_warns_if_the_best_point_is_at_its_edge(site: Site) -> None:
     browser = site.browser("ann")
     sweep_id = _started(browser, **{"sweep-1-name": "", "sweep-1-values": ""})

@@ -226,6 +226,7 @@ def test_a_program_goes_with_the_data_of_its_last_run(both: Backend) -> None:
     assert not referred_to()
 
 
+@pytest.mark.slow
 def test_a_deletion_that_is_killed_leaves_nothing_half_deleted(both: Backend) -> None:
     runs = [_recorded(both) for _ in range(30)]
     arguments = [both.settings.database_url, str(both.settings.data), str(len(runs))]

@@ -6,6 +6,8 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 PROGRAM = """
 import sys
 from seamark.server.runs.downloads.slow_readers import DeadlineOutput
@@ -26,6 +28,7 @@ def test_a_reader_who_takes_nothing_is_given_up() -> None:
         assert process.wait(60) == -signal.SIGALRM
 
 
+@pytest.mark.slow
 def test_a_reader_who_takes_a_little_now_and_then_is_given_up() -> None:
     with writer() as process:
         assert process.stdout is not None

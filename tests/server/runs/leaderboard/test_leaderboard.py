@@ -39,6 +39,7 @@ def _board(both: Backend) -> list[tuple[str, float]]:
         return [(rank.user, rank.score) for rank in leaderboard.page(session, NAME)]
 
 
+@pytest.mark.slow
 def test_only_published_ranked_runs_that_succeeded_are_ranked(both: Backend) -> None:
     run_id = _ranked(both, "ann", 60.0)
     practice = both.running("ann")
@@ -108,6 +109,7 @@ _acts = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(acts=_acts)
 @example(acts=[("run", 0, 60), ("publish", 0, 0), ("run", 0, 40), ("publish", 0, 1)])
 @example(acts=[("run", 1, 60), ("publish", 0, 0), ("withdraw", 0, 0)])

@@ -59,6 +59,7 @@ def test_baselines_that_wait_are_counted_apart(with_baselines: Backend) -> None:
     assert live >= len(V2.baselines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [0.0, 1e-15])
 def test_a_computed_result_replaces_the_shipped_one_and_is_held_against_it(
     with_baselines: Backend, change: float

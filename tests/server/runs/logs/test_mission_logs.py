@@ -141,6 +141,7 @@ def on_s3(settings: Settings, s3_server: s3.Server, tmp_path: Path) -> Iterator[
     database.close()
 
 
+@pytest.mark.slow
 def test_a_log_is_kept_in_object_storage_and_read_from_there(on_s3: Backend) -> None:
     stored = objects.of(on_s3.settings)
     assert stored is not None

@@ -62,6 +62,7 @@ def test_nothing_is_estimated_before_anything_was_measured(both: Backend) -> Non
     assert both.show(both.queue("ann")).estimate_s is None
 
 
+@pytest.mark.slow
 def test_an_estimate_follows_the_simulated_time_of_the_run(both: Backend) -> None:
     _slots(both, 2)
     early = both.queue("ben", config=LONG, trials=2)
@@ -86,6 +87,7 @@ def test_recent_runs_count_more_than_old_ones(both: Backend) -> None:
     assert 0.2 < pace < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slots", [1, 2, 4])
 def test_every_estimate_in_a_known_queue_is_within_a_factor_of_two(
     both: Backend, slots: int

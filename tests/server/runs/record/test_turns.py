@@ -58,6 +58,7 @@ def test_guests_wait_longer_than_accounts_but_not_for_ever(both: Backend) -> Non
     assert _drained(both) == order
 
 
+@pytest.mark.slow
 def test_the_positions_stay_right_while_guests_have_their_share(both: Backend) -> None:
     names = [both.sign_up(f"user{number}").name for number in range(4)]
     queued = [both.queue(name) for _ in range(3) for name in names]

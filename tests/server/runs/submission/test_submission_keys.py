@@ -35,6 +35,7 @@ def test_what_a_key_started_is_forgotten_after_a_day(both: Backend, numbers: Ite
         assert session.scalar(select(func.count()).select_from(KeyOfSubmission)) == 1
 
 
+@pytest.mark.slow
 def test_of_two_requests_at_once_one_starts_a_run(both: Backend, numbers: Iterator[int]) -> None:
     entered, answers = threading.Event(), list[int]()
 

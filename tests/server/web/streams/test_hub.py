@@ -39,6 +39,7 @@ async def _ended(*viewers: Viewer) -> None:
         await asyncio.gather(*(viewer.watch() for viewer in viewers))
 
 
+@pytest.mark.slow
 def test_all_viewers_receive_the_same_bytes_made_once(recording: Recording, hub: Hub) -> None:
     viewers = [Viewer(hub, recording.run_id) for _ in range(50)]
 
@@ -59,6 +60,7 @@ def test_all_viewers_receive_the_same_bytes_made_once(recording: Recording, hub:
     assert all(mine == pieces[0] for mine in pieces)
 
 
+@pytest.mark.slow
 def test_a_fast_run_sends_no_more_than_twenty_kilobytes_a_second(
     recording: Recording, hub: Hub
 ) -> None:
@@ -161,6 +163,7 @@ def test_a_viewer_from_another_process_that_was_ahead_sees_nothing_twice(
     assert ahead.times() == pytest.approx([0.05 * row for row in range(25, 30)])
 
 
+@pytest.mark.slow
 def test_a_viewer_who_does_not_read_is_dropped_and_can_resume(recording: Recording) -> None:
     hub = Hub(recording.database, recording.settings, waiting_max=20_000)
     reader, sleeper = Viewer(hub, recording.run_id), Viewer(hub, recording.run_id)
@@ -231,6 +234,7 @@ def test_viewers_of_a_queued_run_learn_at_once_that_it_was_cancelled(
     assert (states[0], states[-1]) == ("queued", "cancelled")
 
 
+@pytest.mark.slow
 def test_streams_go_on_while_the_broker_is_away(recording: Recording) -> None:
     nowhere = recording.settings.model_copy(update={"broker_url": "unix:///nothing/here"})
     hub = Hub(recording.database, nowhere)
@@ -305,6 +309,7 @@ def test_a_stream_beyond_the_limit_ends_at_once(recording: Recording) -> None:
     assert hub.open_streams == 0
 
 
+@pytest.mark.slow
 def test_the_streams_of_a_token_end_when_it_is_revoked_and_no_others(
     recording: Recording, hub: Hub
 ) -> None:

@@ -349,6 +349,7 @@ def test_a_path_never_leaves_its_amplitudes(t: float, seed: int) -> None:
     assert (np.abs(pose) <= amplitudes + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bytes() -> None:
     here = run(SHORT)
 

@@ -87,6 +87,7 @@ def test_the_motion_axis_has_a_path_of_its_own_which_only_changes_its_speed() ->
     assert not np.array_equal(fast, turbid)
 
 
+@pytest.mark.slow
 @given(seed=seeds, motion_px=st.sampled_from([2.0, 10.0]))
 def test_the_corners_move_by_the_motion_of_the_level_on_average(seed, motion_px) -> None:
     config = ENTRY.read({})
@@ -116,6 +117,7 @@ def test_every_jump_has_the_size_of_its_level() -> None:
         assert sizes == pytest.approx([config.level_values()[level]] * 10, abs=1e-2)
 
 
+@pytest.mark.slow
 @given(seed=seeds, trial=st.integers(0, 31))
 def test_the_target_stays_in_the_image_wherever_and_however_it_lies(seed, trial) -> None:
     config = ENTRY.read({})
@@ -130,6 +132,7 @@ def test_the_target_stays_in_the_image_wherever_and_however_it_lies(seed, trial)
     assert (corners.max(axis=(0, 1)) < (OPTICS.width - 1, OPTICS.height - 1)).all()
 
 
+@pytest.mark.slow
 @given(seed=seeds)
 def test_what_is_drawn_depends_on_seed_and_trial_but_not_on_the_levels(seed) -> None:
     config, other = ENTRY.read({}), ENTRY.read(SHORT)

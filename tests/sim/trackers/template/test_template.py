@@ -17,6 +17,7 @@ from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 Sequence = Any  # conftest's class; a test folder is no package
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("criterion", CRITERIA)
 @pytest.mark.parametrize("method", METHODS)
 def test_homography_is_within_a_tenth_of_a_pixel(
@@ -235,6 +236,7 @@ def said(drawn: Path) -> str:
     return _said(drawn)
 
 
+@pytest.mark.slow
 def test_two_processes_track_to_the_same_bits(drawn: Path, said: str) -> None:
     assert _said(drawn) == said
     assert said.strip().endswith("True")
