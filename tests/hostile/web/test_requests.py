@@ -111,6 +111,7 @@ def test_signing_up_makes_a_user_whatever_else_is_sent(site: Site) -> None:
     assert (made.role, made.is_baseline, made.id != 77) == ("user", False, True)
 
 
+@pytest.mark.slow
 def test_a_token_and_a_password_belong_to_who_sends_the_form(site: Site) -> None:
     browser = site.browser()
     browser.post("/sign-up", {"name": "cleo", "password": "another long password"})
@@ -185,6 +186,7 @@ FORGED = {
 PATHS = ("/", "/runs", "/runs/", "/submit", "/sign-in", "/leaderboards", "/tokens", "/docs/start")
 
 
+@pytest.mark.slow
 def test_a_forged_header_changes_neither_page_nor_redirect(site: Site) -> None:
     browser = site.browser()
     for path, name in product(PATHS, FORGED):
@@ -217,6 +219,7 @@ def test_a_client_cannot_forge_the_address_that_rate_limits_count(site: Site) ->
 # -- session fixation ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_planted_session_is_worth_nothing_after_its_victim_signs_in(site: Site) -> None:
     site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
     attacker, victim = site.browser(), site.browser()

@@ -98,6 +98,7 @@ def test_markup_in_a_page_would_be_found() -> None:
         assert markup.found
 
 
+@pytest.mark.slow
 def test_text_in_an_address_does_not_become_markup(site: Site) -> None:
     names, browser = ("next", "name", "invitation", "user", "from", "kp", "title"), site.browser()
     for path in ("/sign-in", "/sign-up", "/runs/", "/submit/currents-v1", "/leaderboards/none"):

@@ -28,6 +28,7 @@ def seamark(*arguments: str | Path) -> Result:
     return CliRunner().invoke(cli, list(map(str, arguments)), prog_name="seamark")
 
 
+@pytest.mark.slow
 def test_a_backup_in_a_folder_is_checked_and_restored_from_the_command_line(
     backend: Backend, backups: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -160,6 +160,7 @@ def test_accounts_are_never_imported_into_a_folder_without_a_service(tmp_path: P
     assert not (tmp_path / "elsewhere" / "seamark.db").exists()
 
 
+@pytest.mark.slow
 def test_an_account_is_deleted_and_its_name_is_free_again(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path / "data"))
     seamark("user", "add", "ann", *data)

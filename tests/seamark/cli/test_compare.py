@@ -63,6 +63,7 @@ def test_a_server_that_does_not_answer_is_a_failure_of_the_platform(tmp_path: Pa
     assert answer.exit_code == 3
 
 
+@pytest.mark.slow
 def test_leaderboard_prints_the_rows_of_the_page(backend: Backend) -> None:
     backend.published("eva", kind="ranked", title="Steady \x1b[31mhand")
     arguments = ("leaderboard", "currents-v1")

@@ -59,6 +59,7 @@ def corners(line: dict[str, str]) -> Array:
     return np.array(values).reshape(4, 2) + 0.5
 
 
+@pytest.mark.slow
 def test_coco_has_an_image_and_an_annotation_for_each_that_shows_the_target(
     archives: dict[str, Archive], truth: list[dict[str, str]]
 ) -> None:

@@ -57,6 +57,7 @@ def edited(name: str, value: object) -> Change:
     return lambda text: json.dumps(json.loads(text) | {name: value})
 
 
+@pytest.mark.slow
 def test_an_archived_run_gives_the_same_digest(archive: Path) -> None:
     manifest = json.loads(zipfile.ZipFile(archive).read(f"{FOLDER}/manifest.json"))
 
@@ -150,6 +151,7 @@ def test_a_program_in_the_archive_runs_in_the_box_and_gives_the_same_digest(
     assert "The archive has no program" in without.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("files", "says"),
     [

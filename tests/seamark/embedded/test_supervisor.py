@@ -97,6 +97,7 @@ def test_a_child_that_retires_stays_away_and_its_successor_runs_on(tmp_path: Pat
     assert said == "True None [] []\n"
 
 
+@pytest.mark.slow
 def test_a_supervisor_to_which_nothing_happens_looks_at_no_process(tmp_path: Path) -> None:
     assert outcome_of(IDLE, tmp_path) == "[]\n"
 

@@ -77,6 +77,7 @@ def seen_from(frame: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
     return rotated(back, point - array(frame.translation))
 
 
+@pytest.mark.slow
 def test_every_column_of_every_row_is_there_bit_for_bit(messages: Messages, rows: Rows) -> None:
     found = [[getattr(message, name) for name in NAMES] for _, message in messages["/telemetry"]]
 

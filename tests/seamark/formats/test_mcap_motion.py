@@ -69,6 +69,7 @@ def columns(rows: Rows, names: str) -> Vector:
     return found
 
 
+@pytest.mark.slow
 def test_the_telemetry_names_the_frame_that_its_numbers_are_in(messages: Messages) -> None:
     assert {one.header.frame_id for one in messages["/telemetry"]} == {"map_ned"}
 
@@ -93,6 +94,7 @@ def test_static_transforms_turn_the_simulators_numbers_into_those_of_ros(
     )
 
 
+@pytest.mark.slow
 def test_no_frame_has_a_static_and_a_moving_parent(recording: Recording) -> None:
     file = BytesIO()
     FORMATS["mcap"].write(recording, file)

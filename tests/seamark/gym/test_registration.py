@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import seamark.gym
 from seamark.sim import registry
 from tests.additions.things import BENCHMARK
@@ -28,6 +30,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
     assert set(seamark.gym.BENCHMARKS.values()) == set(registry.BENCHMARKS)
 
 
+@pytest.mark.slow
 def test_an_added_benchmark_has_an_environment_before_numba_is_loaded(tmp_path: Path) -> None:
     for name, text in BENCHMARK.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)

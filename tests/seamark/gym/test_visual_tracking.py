@@ -34,6 +34,7 @@ def test_the_environment_passes_gymnasiums_checker(name: str) -> None:
         check_env(env)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VISUAL_TRACKING)
 def test_a_tracker_in_the_environment_makes_the_run_of_the_benchmark(name: str) -> None:
     entry = registry.benchmark(BENCHMARKS[name])

@@ -57,6 +57,7 @@ def test_an_invalid_gain_is_refused_under_its_name(site: Site, text: str, field:
     assert "from 0 to" in document["errors"][0]["detail"]
 
 
+@pytest.mark.slow
 def test_an_upload_is_queued_under_its_hash(site: Site) -> None:
     source = PROGRAM
     form = {"run": '{"benchmark": "currents-v1"}', "program": (io.BytesIO(source), "c.py")}

@@ -75,6 +75,7 @@ def test_submissions_are_limited_per_account_and_not_per_address(site: Site) -> 
     assert (first[-1].status_code, other.status_code) == (429, 422)
 
 
+@pytest.mark.slow
 def test_repeating_a_run_is_limited_like_submitting_one(site: Site) -> None:
     path = f"/api/v1/runs/{site.succeeded('ann')}/rerun"
     answers = [site.call("owner", "POST", path) for _ in range(31)]

@@ -92,6 +92,7 @@ def test_a_line_break_never_gets_into_a_header(post: Post) -> None:
         smtp.message(post.settings, "a@b.c", "Run\r\nBcc: x@y.z", "text")
 
 
+@pytest.mark.slow
 def test_a_forgotten_password_is_set_by_the_link_of_an_e_mail(post: Post) -> None:
     post.confirm("ann", ANN)
 

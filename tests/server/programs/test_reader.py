@@ -56,6 +56,7 @@ def test_an_upload_is_read_in_the_limited_process_as_without_it(
     assert _read(reader, source, name) == preparation.prepare(source, name)
 
 
+@pytest.mark.slow
 def test_a_refusal_of_the_limited_process_has_its_sentence(reader: ProgramReader) -> None:
     with pytest.raises(UploadRejected, match=r"a\.py is empty"):
         _read(reader, b" ", "a.py")

@@ -54,6 +54,7 @@ class _Large:
             self.closed.release()
 
 
+@pytest.mark.slow
 def test_health_is_answered_while_all_threads_wait() -> None:
     over, waiting = threading.Event(), threading.Semaphore(0)
 
@@ -219,6 +220,7 @@ def test_large_bodies_beyond_those_that_may_be_on_the_disk_have_their_turn_too()
         assert [answer_of(connection)[0].status for connection in waiting] == [200] * len(waiting)
 
 
+@pytest.mark.slow
 def test_a_head_that_does_not_end_is_given_up() -> None:
     class Impatient(Protocol):
         head_s = 0.2

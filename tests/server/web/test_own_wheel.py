@@ -120,6 +120,7 @@ def test_its_record_lists_each_file_with_its_hash(
     assert rows[-1] == [record, "", ""]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distribution", TAGS)
 def test_it_is_the_same_each_time(wheels: dict[str, Wheel], distribution: str) -> None:
     assert OwnWheel(distribution).get(HOST) == wheels[distribution]
@@ -168,6 +169,7 @@ def test_an_extra_is_installed_from_where_the_wheel_came_from(
     assert done.stdout == 'pip install "seamark[gym] @ http://water.example/seamark.whl"\n'
 
 
+@pytest.mark.slow
 def test_a_service_of_packages_that_it_would_not_see_is_refused(
     installed: Path, tmp_path: Path
 ) -> None:

@@ -92,6 +92,7 @@ def test_a_full_disk_is_a_sentence_on_the_form(full: Browser) -> None:
     assert "<form" in answer.text
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_on_readyz_and_in_the_metrics_and_pages_work(
     full: Browser, recorded: int
 ) -> None:

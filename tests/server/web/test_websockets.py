@@ -118,6 +118,7 @@ def test_a_conversation_that_goes_wrong_ends_with_the_reason() -> None:
     assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (1011, "The run is lost.")
 
 
+@pytest.mark.slow
 def test_what_refuses_a_handshake_is_an_answer_as_to_any_request() -> None:
     echo = Echo()
     with pytest.raises(InvalidStatus) as not_found, _served(echo, "/not-found"):

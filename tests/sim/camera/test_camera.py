@@ -65,6 +65,7 @@ def test_another_noise_seed_changes_noise_but_not_the_scene(tilted: Array) -> No
     assert abs(difference.mean()) < 0.05
 
 
+@pytest.mark.slow
 def test_noise_grows_with_light_as_read_and_shot_noise_do(tilted: Array) -> None:
     images = np.array([CAMERA.grey(tilted, k) for k in range(100)], dtype=float)
 

@@ -158,6 +158,7 @@ def test_snow_drifts_from_frame_to_frame_without_changing() -> None:
     assert alike(near, far) < 0.2
 
 
+@pytest.mark.slow
 def test_light_scales_all_but_the_noise() -> None:
     bright = light(Effects(), START)
     dim = light(Effects(light_level=0.5), START)

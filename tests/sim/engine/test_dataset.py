@@ -138,6 +138,7 @@ def test_the_same_configuration_and_seed_give_the_same_bytes(
     assert first == second
 
 
+@pytest.mark.slow
 def test_time_and_colour_can_be_chosen(recorded: tuple[str, Configuration, Rows]) -> None:
     files = _made(recorded, Selection(begin_s=0.5, end_s=1.0, colour=True))
 

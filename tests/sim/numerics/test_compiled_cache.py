@@ -88,6 +88,7 @@ def _by_syntax(source: str) -> set[str]:
     return {name for name in names if name.startswith("seamark")}
 
 
+@pytest.mark.slow
 def test_no_import_of_any_source_is_overlooked() -> None:
     sources = [path.read_text("utf-8") for path in (ROOT / "sim").rglob("*.py")]
 

@@ -37,6 +37,7 @@ def bits(values: Array) -> NDArray[np.int64]:
     return np.where(np.isnan(values), math.nan, values).view(np.int64)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", [_arithmetic, sin, exp, log])
 def test_a_function_of_lanes_gives_the_bits_of_each_number(
     function: Callable[[float], float],
@@ -55,6 +56,7 @@ def test_a_function_of_lanes_gives_the_bits_of_each_number(
     np.testing.assert_array_equal(bits(out.ravel()), bits(np.array(alone)))
 
 
+@pytest.mark.slow
 def test_thrusters_of_different_vehicles_in_one_block_keep_their_own_curves() -> None:
     @njit
     def of_lanes(commands: Array, curves: Array, out: Array) -> None:

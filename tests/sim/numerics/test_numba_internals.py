@@ -68,6 +68,7 @@ def test_another_numba_gets_a_folder_for_the_state_of_all_sources_and_a_warning(
     assert "NUMBA_CACHE_LOCATOR_CLASSES" not in environ
 
 
+@pytest.mark.slow
 def test_without_an_internal_the_vectors_refuse_to_load_and_name_the_version() -> None:
     code = (
         "import numba.core.cgutils as internals\n"

@@ -66,6 +66,7 @@ def test_an_incomplete_block_has_no_interval() -> None:
     assert mean_interval([1.0, 2.0], block=2) is None
 
 
+@pytest.mark.slow
 @given(first=scores, second=scores)
 def test_the_interval_of_a_difference_is_that_of_scipy(
     first: list[float], second: list[float]

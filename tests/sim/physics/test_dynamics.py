@@ -155,6 +155,7 @@ def test_without_thrust_motion_only_decays(name: str, start: Array) -> None:
     assert np.all(np.diff(energies) <= 1e-9)
 
 
+@pytest.mark.slow
 @given(start=arrays(np.float64, 6, elements=st.floats(-0.5, 0.5)))
 def test_without_drag_energy_and_momentum_are_conserved(start: Array) -> None:
     plant = Plant(free(balanced(load("girona500"))), STILL)

@@ -81,6 +81,7 @@ def test_a_target_learnt_in_clear_water_is_followed_at_optical_depth_three(
     assert np.abs(tracks[-1].corners - short.truth[11]).max() < 3.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["box", "kcf", "csrt"])
 def test_an_upright_box_follows_to_some_pixels(short: Sequence, name: str) -> None:
     errors, sure = short.follow(make(name))
@@ -89,6 +90,7 @@ def test_an_upright_box_follows_to_some_pixels(short: Sequence, name: str) -> No
     assert errors.max() < 10.0
 
 
+@pytest.mark.slow
 def test_the_box_of_csrt_grows_with_the_target_and_that_of_kcf_does_not(short: Sequence) -> None:
     near = start_pose(VISIBILITY, short.camera.target, 1.5)
     down = np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0])

@@ -86,6 +86,7 @@ def test_every_warp_of_visp_can_start_from_a_prediction(
     assert errors.max() < 10.0
 
 
+@pytest.mark.slow
 @here
 def test_with_the_rim_of_a_large_target_in_its_template_the_zncc_of_visp_loses_it() -> None:
     large = Target(width_m=0.28)

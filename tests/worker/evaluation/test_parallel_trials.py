@@ -70,6 +70,7 @@ def received_here(
     ), received
 
 
+@pytest.mark.slow
 def test_what_is_received_does_not_depend_on_the_number_of_processes() -> None:
     one, received_from_one = received_here(1)
     two, received_from_two = received_here(2)
@@ -216,6 +217,7 @@ def test_closing_the_generator_early_stops_the_trials_in_order() -> None:
     assert children() == before
 
 
+@pytest.mark.slow
 def test_the_outcomes_of_all_trials_are_added_up(job: Job) -> None:
     outcome = Evaluation(job, FakeListener(), lambda *_: FakeBox(), cores=two_cores()).run()
 

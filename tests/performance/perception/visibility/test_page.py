@@ -49,6 +49,7 @@ def test_a_path_in_the_plane_neither_turns_nor_rises() -> None:
     assert first[2:] == later[2:]
 
 
+@pytest.mark.slow
 def test_the_page_says_whether_fewer_degrees_of_freedom_raise_the_score(tmp_path: Path) -> None:
     (tmp_path / "figures").mkdir()
     scores = {"translation": 5.5, "rt": 5.5, "srt": 5.4, "affine": 5.6, "homography": 5.0}

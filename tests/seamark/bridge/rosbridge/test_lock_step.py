@@ -70,6 +70,7 @@ def test_a_program_has_the_same_digest_however_slowly_it_answers(open_bridge: Op
     assert digests != {built_in("nothing", **ONE_LEVEL).digest}
 
 
+@pytest.mark.slow
 def test_looking_at_every_topic_does_not_change_the_result(open_bridge: Open) -> None:
     digests = set()
     for topics in (["/seamark/error"], ["/seamark/image", "/seamark/pose", "/seamark/error"]):

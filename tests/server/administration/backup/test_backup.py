@@ -90,6 +90,7 @@ def _restored(backend: Backend, settings: Settings) -> Backend:
     return Backend(Database(settings.database_url), settings, backend.viewers)
 
 
+@pytest.mark.slow
 def test_a_service_restored_elsewhere_has_the_same_leaderboard_data_and_queue(
     both: Backend, elsewhere: Settings, tmp_path: Path
 ) -> None:

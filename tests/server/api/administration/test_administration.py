@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import pytest
+
 from seamark.server.database.tables import Worker
 from seamark.server.messaging import workers
 from seamark.server.runs.data import disk_usage
@@ -20,6 +22,7 @@ def _get(site: Site, path: str) -> Any:
     return site.client().get(f"{ADMIN}{path}", headers=site.headers["admin"]).json
 
 
+@pytest.mark.slow
 def test_a_worker_is_drained_and_resumed_by_the_api(site: Site) -> None:
     _register(site)
     client, path = site.client(), f"{ADMIN}/workers/w1@host"

@@ -71,6 +71,7 @@ def test_a_live_run_can_be_downloaded_in_each_format(site: Site) -> None:
     assert "seamark-run/manifest.json" not in archive.namelist()
 
 
+@pytest.mark.slow
 def test_the_archive_has_everything_to_compute_the_run_again(site: Site) -> None:
     run_id = site.recorded()
     answer = fetch(site, run_id, "archive")

@@ -31,6 +31,7 @@ def _series(site: Site, run_id: int, query: str) -> dict[str, Any]:
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("start", "stop"), [(0.0, 1999.95), (100.0, 130.0), (1999.9, 5000.0)])
 @pytest.mark.parametrize("points", [10, 300, 20_000])
 def test_sampled_rows_are_rows_of_the_run_with_the_first_and_the_last_of_the_range(

@@ -261,6 +261,7 @@ def _mode(site: Site, mode: str) -> Browser:
     return site.browser()
 
 
+@pytest.mark.slow
 def test_by_invitation_each_invitation_makes_one_account(site: Site) -> None:
     browser = _mode(site, "invitation")
     with site.database.writing() as session:

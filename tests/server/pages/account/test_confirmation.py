@@ -25,6 +25,7 @@ def _asked(browser: Browser, path: str, button: str) -> tuple[str, str]:
     return unescape(pressed[1]), page
 
 
+@pytest.mark.slow
 def test_nothing_changes_before_the_question_was_answered(site: Site) -> None:
     run_id, ann = site.queue("ann"), site.browser("ann")
     question, _ = _asked(ann, f"/runs/{run_id}", "Cancel")

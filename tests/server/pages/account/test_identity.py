@@ -44,6 +44,7 @@ def test_the_first_sign_in_creates_an_account_and_the_next_one_finds_it(
         assert accounts.person(session, "cleo").password_hash is None
 
 
+@pytest.mark.slow
 def test_the_browser_is_sent_with_state_nonce_and_a_challenge(
     federated: Site, provider: Provider
 ) -> None:
@@ -73,6 +74,7 @@ def test_an_account_is_found_by_the_subject_and_never_by_the_name(
     assert not is_in(browser, "cleo")
 
 
+@pytest.mark.slow
 def test_a_disabled_account_is_not_signed_in(federated: Site) -> None:
     create(federated)
     with federated.database.writing() as session:

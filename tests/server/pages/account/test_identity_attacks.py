@@ -121,6 +121,7 @@ def test_a_code_is_worth_nothing_without_the_verifier_of_its_browser(federated: 
     assert (answer.status_code, is_in(thief, "cleo")) == (403, False)
 
 
+@pytest.mark.slow
 def test_a_refusal_at_the_provider_is_said_on_a_page(federated: Site) -> None:
     browser = federated.browser()
     address = come_back(browser)
@@ -180,6 +181,7 @@ def test_metadata_of_another_provider_sends_nobody_away(
     site.app.extensions["seamark"].close()
 
 
+@pytest.mark.slow
 def test_many_started_sign_ins_do_not_fill_the_cookie(federated: Site) -> None:
     browser = federated.browser()
 

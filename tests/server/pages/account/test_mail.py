@@ -82,6 +82,7 @@ def test_an_address_is_entered_confirmed_and_removed_on_the_pages(mailing: Site)
     assert ADDRESS not in details
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "says"),
     [
@@ -97,6 +98,7 @@ def test_an_address_needs_the_password_and_a_form(
     assert (answer.status_code, says in answer.text, kinds(mailing)) == (422, True, [])
 
 
+@pytest.mark.slow
 def test_looking_at_a_link_confirms_nothing(mailing: Site) -> None:
     mailing.browser("ann").post("/account/mail", FORM)
 
@@ -106,6 +108,7 @@ def test_looking_at_a_link_confirms_nothing(mailing: Site) -> None:
         assert addresses.of_account(session, mailing.user_id("ann")).address is None
 
 
+@pytest.mark.slow
 def test_the_answer_is_the_same_for_an_address_that_nobody_has(mailing: Site) -> None:
     confirmed(mailing)
 

@@ -70,6 +70,7 @@ def test_who_has_shown_nothing_has_no_page(site: Site) -> None:
     assert "First try" in site.browser("ben").get("/users/ann").text
 
 
+@pytest.mark.slow
 def test_a_page_has_the_ranks_with_their_history_and_published_runs_alone(site: Site) -> None:
     site.published("ben", kind="ranked")
     first = site.published("ann", kind="ranked", title="Public plan")

@@ -95,6 +95,7 @@ def test_the_link_can_be_pasted_where_the_code_is_asked_for(site: Site) -> None:
     assert room(site, class_id).pupils == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", ["code", "archive"])
 def test_a_link_that_the_teacher_has_replaced_joins_nobody_and_names_no_class(
     site: Site, change: str

@@ -117,6 +117,7 @@ def test_shipped_reference_entries_are_marks_of_the_plot_of_error_against_energy
     assert sorted(map(unescape, plotted)) == sorted(titles)
 
 
+@pytest.mark.slow
 def test_filters_of_page_and_api_agree(site: Site) -> None:
     _board(site)
     browser = site.browser("ann")

@@ -134,6 +134,7 @@ def test_a_published_run_of_somebody_else_gives_its_program_to_an_account(site: 
     assert _same(site.show(first), again)
 
 
+@pytest.mark.slow
 def test_a_guest_gets_the_configuration_alone_and_is_told_so(site: Site) -> None:
     program = site.store_program()
     first = site.published("eva", controller="upload", program=program, config={"kp": 0.4}, seed=5)

@@ -30,6 +30,7 @@ def test_the_home_page_leads_to_an_editor_with_five_lines_and_the_guide(site: Si
     assert 'href="/sign-up?next=/first-controller"' in page
 
 
+@pytest.mark.slow
 def test_the_five_lines_are_queued_with_the_settings_of_the_demo(site: Site) -> None:
     browser = site.browser("ann")
     sent = _form(browser.get("/first-controller").text) | {"program_text": first_program.TEXT}

@@ -125,6 +125,7 @@ def test_a_preset_of_the_url_fills_in_its_settings_and_opens_them_without_script
     assert not re.search(r'<details class="group"[^>]* open', plain)
 
 
+@pytest.mark.slow
 def test_a_file_wins_over_the_untouched_editor_without_scripts(site: Site) -> None:
     file = (io.BytesIO(PROGRAM.encode()), "mine.py")
     fields = {"controller": "upload", "source": "editor", "program_text": "not Python"}
@@ -134,6 +135,7 @@ def test_a_file_wins_over_the_untouched_editor_without_scripts(site: Site) -> No
     assert site.show(run_id).program_name == "mine.py"
 
 
+@pytest.mark.slow
 def test_an_uploaded_file_is_queued(site: Site) -> None:
     file = (io.BytesIO(PROGRAM.encode()), "mine.py")
 
@@ -143,6 +145,7 @@ def test_an_uploaded_file_is_queued(site: Site) -> None:
     assert (run.program_name, run.language, run.state) == ("mine.py", "python", "queued")
 
 
+@pytest.mark.slow
 def test_a_program_from_the_editor_is_queued(site: Site) -> None:
     fields = {"controller": "upload", "source": "editor", "program_text": PROGRAM}
 
@@ -175,6 +178,7 @@ def test_an_unknown_language_is_refused(site: Site) -> None:
     assert "Choose a language" in answer.text
 
 
+@pytest.mark.slow
 def test_a_syntax_error_names_the_line_and_the_text_is_kept(site: Site) -> None:
     text = "class Controller:\n    def step(self, observation)\n        return 1\n"
 
@@ -252,6 +256,7 @@ def _refused(site: Site, name: str = "ann", **answers: object) -> str:
     return answer.text
 
 
+@pytest.mark.slow
 def test_an_uploaded_file_is_kept_when_another_field_is_invalid(site: Site) -> None:
     page = _refused(site)
 
@@ -273,6 +278,7 @@ def test_a_kept_file_belongs_to_its_sender_and_cannot_be_forged(site: Site) -> N
         assert (answer.status_code, "Choose a file" in answer.text) == (422, True)
 
 
+@pytest.mark.slow
 def test_an_invalid_file_and_an_invalid_field_are_reported_together(site: Site) -> None:
     page = _refused(site, program=(io.BytesIO(b"def f(:"), "mine.py"))
 

@@ -226,6 +226,7 @@ def test_the_size_is_that_of_all_files_of_the_attempt(tmp_path: Path) -> None:
     assert files.size() == 3 * 8 * WIDTH + 5 + columns
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(st.booleans(), st.integers(1, HEAD_MAX + TAIL_MAX)), max_size=6),
     st.integers(1, 255),

@@ -23,6 +23,7 @@ def writer() -> "subprocess.Popen[bytes]":
     return subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE)
 
 
+@pytest.mark.slow
 def test_a_reader_who_takes_nothing_is_given_up() -> None:
     with writer() as process:
         assert process.wait(60) == -signal.SIGALRM

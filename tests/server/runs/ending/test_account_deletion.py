@@ -19,6 +19,7 @@ def delete_account(both: Backend, name: str, *, keep: bool) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_published_runs_stay_without_the_name_if_the_owner_wants_it(both: Backend) -> None:
     shown, private = both.published("ann", kind="ranked"), both.succeeded("ann")
     later = both.queue("ben")

@@ -104,6 +104,7 @@ def test_the_pages_of_a_filter_are_all_rows_that_pass_it(board: Backend, limit: 
         assert _shown(board, limit=limit, **chosen) == _shown(board, **chosen)
 
 
+@pytest.mark.slow
 def test_a_filter_that_few_rows_pass_goes_on_behind_the_rows_it_looked_at(
     board: Backend, monkeypatch: pytest.MonkeyPatch
 ) -> None:

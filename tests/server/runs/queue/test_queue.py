@@ -319,6 +319,7 @@ _steps = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(steps=_steps)
 @hypothesis_settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

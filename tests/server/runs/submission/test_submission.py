@@ -169,6 +169,7 @@ def test_a_rerun_is_a_new_run_of_the_same_submission(both: Backend) -> None:
     assert (new.config, new.seed, new.title) == (old.config, 11, "first")
 
 
+@pytest.mark.slow
 def test_baselines_are_queued_once_claimed_last_and_published(both: Backend) -> None:
     with both.database.writing() as session:
         first = baselines.ensure(session, both.settings)

@@ -24,6 +24,7 @@ def _times(found: excerpts.Excerpt) -> list[float]:
     return [row[rows[0]["columns"].index("t")] for row in rows[0]["rows"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("budget", [START, SMALL])
 def test_an_excerpt_of_a_long_run_holds_what_a_screen_shows(
     recording: Recording, budget: Budget

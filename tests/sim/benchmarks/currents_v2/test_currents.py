@@ -128,6 +128,7 @@ def test_the_metrics_of_a_level_are_at_its_index_whatever_the_order() -> None:
     assert sorted(result.conditions["order"]) == [0, 1, 2]
 
 
+@pytest.mark.slow
 def test_every_image_is_found_again_with_the_levels_out_of_order() -> None:
     settings = BRIEF | {"caustics": 0.8, "snow_per_m3": 200.0}  # which move from frame to frame
     _result, rows = run(settings, Always((0.0, 0.0, 0.0, 0.0)), seed=3)
@@ -223,6 +224,7 @@ SPREADS = [
 ]
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(data=st.data(), seed=st.integers(0, 1000))
 def test_every_accepted_spread_gives_a_trial_with_a_finite_score(

@@ -145,6 +145,7 @@ def test_what_is_drawn_depends_on_seed_and_trial_but_not_on_the_levels(seed) -> 
     assert len({first.turbid.seed, first.fast.seed, first.jumps_seed}) == 3
 
 
+@pytest.mark.slow
 def test_both_parts_of_a_ranked_run_have_every_texture_equally_often() -> None:
     config, protocol = ENTRY.read({}), ENTRY.protocol
     assert protocol is not None
