@@ -25,6 +25,7 @@ from seamark.server.runs.record.turns import Priority
 GUEST_SHARE = 4  # runs of accounts that start before one of a guest, while both wait
 _PASSED_OVER = "guests_passed_over"
 _Run = TypeVar("_Run")
+Key = tuple[int, int, float, int]
 
 
 def priorities(*, guests_first: bool) -> Iterator[Priority]:
@@ -41,7 +42,7 @@ def columns(turn: type[Turn]) -> tuple[InstrumentedAttribute[Any], ...]:
     return (turn.running, turn.served_at, turn.next_run)
 
 
-def key(turn: Turn, number: int) -> tuple[int, int, float, int]:
+def key(turn: Turn, number: int) -> Key:
     """Return what orders the queued runs of one priority; `number` counts those of the owner.
 
     It is that of `columns` when all runs before have started and none has ended: of two owners who

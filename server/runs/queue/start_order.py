@@ -3,6 +3,7 @@
 As if no run ended or was submitted meanwhile.
 """
 
+import heapq
 from collections import Counter, deque
 from collections.abc import Iterator
 from itertools import islice
@@ -37,12 +38,13 @@ def _of_priority(session: Session, priority: Priority, limit: int) -> list[str]:
     """Return the owners of one priority in turn, once for each of their runs."""
     query = select(Turn).where(turns.IS_WAITING, Turn.priority == int(priority))
     rows = session.scalars(query.order_by(*order.columns(Turn)).limit(limit)).all()
-    runs = (
-        (order.key(row, number), row.owner)
-        for row in rows
-        for number in range(min(row.queued, limit))
-    )
-    return [owner for _, owner in sorted(runs)[:limit]]
+    in_turn = heapq.merge(*map(_runs_of, rows))
+    return [owner for _, owner in islice(in_turn, limit)]
+
+
+def _runs_of(turn: Turn) -> Iterator[tuple[order.Key, str]]:
+    """Yield what orders each queued run of an owner, the next one first."""
+    return ((order.key(turn, number), turn.owner) for number in range(turn.queued))
 
 
 def _oldest(session: Session, counts: Counter[str]) -> dict[str, deque[int]]:
