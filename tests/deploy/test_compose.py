@@ -4,13 +4,13 @@ import json
 import re
 import shlex
 import subprocess
-from importlib.resources import files
+from functools import cache
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
-import check_jsonschema
+import jsonschema_rs
 import pytest
-from jsonschema import Draft7Validator
 
 from seamark.cli.main import cli
 from seamark.server.settings import Settings
@@ -34,6 +34,14 @@ def _is_step(service: dict[str, Any]) -> bool:
     return bool(service.get("restart") == "no")
 
 
+@cache
+def schema() -> jsonschema_rs.Draft7Validator:
+    # Not by importlib.resources, which imports the package, for half a second.
+    path = "check_jsonschema/builtin_schemas/vendor/compose-spec.json"
+    text = Path(str(distribution("check-jsonschema").locate_file(path))).read_text("utf-8")
+    return jsonschema_rs.Draft7Validator(json.loads(text))
+
+
 @pytest.fixture(scope="module")
 def secrets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of secrets that the script makes."""
@@ -44,9 +52,7 @@ def secrets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("file", FILES)
 def test_a_file_has_the_schema_of_compose(file: str) -> None:
-    schema = files(check_jsonschema) / "builtin_schemas" / "vendor" / "compose-spec.json"
-
-    Draft7Validator(json.loads(schema.read_text("utf-8"))).validate(compose.read(file))
+    schema().validate(compose.read(file))
 
 
 @pytest.mark.parametrize(("name", "file"), _OWN)
@@ -192,12 +198,11 @@ def test_mail_and_single_sign_on_are_files_of_their_own_with_settings_that_exist
 ) -> None:
     values = {"SEAMARK_URL": "https://s.example", "SEAMARK_MAIL_FROM": "a@s.example"}
     values |= {"SEAMARK_OIDC_ISSUER": "https://id.example"}
-    schema = files(check_jsonschema) / "builtin_schemas" / "vendor" / "compose-spec.json"
     added = compose.read(file)
     for name in added["secrets"]:
         (tmp_path / name).write_text("smtp://user:word@mail.example:587")
 
-    Draft7Validator(json.loads(schema.read_text("utf-8"))).validate(added)
+    schema().validate(added)
     for name in services:
         given = compose.environment(compose.service(name, file)["environment"], values)
         paths = {key: text.replace("/run/secrets", str(tmp_path)) for key, text in given.items()}

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+import scipy  # its parts are loaded when they are used
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from scipy.optimize import lsq_linear
 
 from seamark.sim.control.allocation import allocate_within
 from seamark.sim.numerics.arrays import Array
@@ -33,7 +33,7 @@ def test_it_finds_the_bounded_least_squares_solution_of_scipy(name: str, wanted:
 
     stacked = np.concatenate([effect, np.sqrt(REGULARISATION) * np.eye(count)])
     target = np.concatenate([wanted, np.zeros(count)])
-    found = lsq_linear(stacked, target, (lowest, highest), tol=1e-12)
+    found = scipy.optimize.lsq_linear(stacked, target, (lowest, highest), tol=1e-12)
     assert np.all((lowest <= thrust) & (thrust <= highest))
     assert effect @ thrust == pytest.approx(effect @ found.x, abs=0.01)
     assert np.linalg.norm(stacked @ thrust - target) <= np.sqrt(2.0 * found.cost) + 1e-3

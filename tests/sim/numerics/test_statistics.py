@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+import scipy  # its parts are loaded when they are used
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy import stats
 
 from seamark.sim.numerics.statistics import (
     area,
@@ -34,10 +34,10 @@ def test_percentiles_are_those_of_numpy(values: list[float], share: float) -> No
 @given(values=scores)
 def test_the_interval_is_that_of_scipy(values: list[float]) -> None:
     assume(len(set(values)) > 1)
-    error = stats.sem(values)
+    error = scipy.stats.sem(values)
     assume(error > 1e-9)
 
-    expected = stats.t.interval(0.95, len(values) - 1, np.mean(values), error)
+    expected = scipy.stats.t.interval(0.95, len(values) - 1, np.mean(values), error)
     assert mean_interval(values) == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
@@ -71,9 +71,9 @@ def test_an_incomplete_block_has_no_interval() -> None:
 def test_the_interval_of_a_difference_is_that_of_scipy(
     first: list[float], second: list[float]
 ) -> None:
-    assume(min(stats.sem(first), stats.sem(second)) > 1e-6)
+    assume(min(scipy.stats.sem(first), scipy.stats.sem(second)) > 1e-6)
 
-    expected = stats.ttest_ind(first, second, equal_var=False).confidence_interval(0.95)
+    expected = scipy.stats.ttest_ind(first, second, equal_var=False).confidence_interval(0.95)
     found = difference_interval(first, second)
     assert found == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-9)
 

@@ -4,15 +4,16 @@ import datetime
 import json
 from dataclasses import replace
 from functools import cache
-from importlib.resources import files
+from importlib.metadata import distribution
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import jsonschema_rs
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from jsonschema import Draft7Validator
 from pybtex.database import parse_string
 
 from seamark.programs.licences import LICENCES
@@ -108,9 +109,10 @@ def plain(tex: str) -> str:
 
 
 @cache
-def schema() -> Draft7Validator:
-    text = files("check_jsonschema").joinpath("builtin_schemas/vendor/citation-file-format.json")
-    return Draft7Validator(json.loads(text.read_text(encoding="utf-8")))
+def schema() -> jsonschema_rs.Draft7Validator:
+    path = "check_jsonschema/builtin_schemas/vendor/citation-file-format.json"
+    text = Path(str(distribution("check-jsonschema").locate_file(path))).read_text("utf-8")
+    return jsonschema_rs.Draft7Validator(json.loads(text))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -171,7 +173,7 @@ def test_the_metadata_for_zenodo_are_valid_in_each_field(
 
     read = json.loads(citations.zenodo(run))
 
-    validator = Draft7Validator(ZENODO, format_checker=Draft7Validator.FORMAT_CHECKER)
+    validator = jsonschema_rs.Draft7Validator(ZENODO, validate_formats=True)
     assert [error.message for error in validator.iter_errors(read)] == []
     assert read["license"] == (licence or "notspecified").lower()  # else Zenodo takes CC BY 4.0
     assert read["creators"] == [{"name": "Jane Doe", "affiliation": "Institute of Currents"}]
