@@ -34,12 +34,12 @@ def flake_count(i: int, j: int, k: int, density: float, seed: int) -> int:
 @njit(cache=True, nogil=True, error_model="numpy")
 def attenuated(radiance: float, x: float, y: float, z: float, channel: Channel, fog: bool) -> float:
     """Return the radiance [grey] that arrives from a point in the camera frame, less the veil."""
-    path = channel.attenuation * z
     if fog:
-        path = path * path
+        optical_depth = channel.attenuation * z
+        optical_depth = optical_depth * optical_depth
     else:
-        path = channel.attenuation * np.sqrt(x * x + y * y + z * z)
-    return (radiance - channel.veil) * exp(-min(path, 40.0))
+        optical_depth = channel.attenuation * np.sqrt(x * x + y * y + z * z)
+    return (radiance - channel.veil) * exp(-min(optical_depth, 40.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -89,16 +89,15 @@ def add_snow(
         for j in range(int(low[1]), int(high[1]) + 1):
             for i in range(int(low[0]), int(high[0]) + 1):
                 for m in range(flake_count(i, j, k, effects.snow, effects.seed)):
-                    own = effects.seed + 7919 * k + 16 * m
-                    position[0] = (i + hash01(i, j, own + 1)) * CUBE_M + drift[0]
-                    position[1] = (j + hash01(i, j, own + 2)) * CUBE_M + drift[1]
-                    position[2] = (k + hash01(i, j, own + 3)) * CUBE_M + drift[2]
+                    key = effects.seed + 7919 * k + 16 * m
+                    position[0] = (i + hash01(i, j, key + 1)) * CUBE_M + drift[0]
+                    position[1] = (j + hash01(i, j, key + 2)) * CUBE_M + drift[1]
+                    position[2] = (k + hash01(i, j, key + 3)) * CUBE_M + drift[2]
                     if position[2] < scene.seabed_m:
-                        shape = hash01(i, j, own + 4)
-                        wide = SMALLEST_M + (LARGEST_M - SMALLEST_M) * shape * shape
-                        _paint_flake(
-                            plane, corner, extrinsics, (position, wide), scene, channel, effects
-                        )
+                        fraction = hash01(i, j, key + 4)
+                        diameter = SMALLEST_M + (LARGEST_M - SMALLEST_M) * fraction * fraction
+                        flake = position, diameter
+                        _paint_flake(plane, corner, extrinsics, flake, scene, channel, effects)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -112,7 +111,7 @@ def _paint_flake(
     effects: EffectParameters,
 ) -> None:
     rotation, centre = extrinsics
-    position, wide = flake
+    position, diameter = flake
     x, y, z = 0.0, 0.0, 0.0
     for axis in range(3):
         d = position[axis] - centre[axis]
@@ -122,15 +121,16 @@ def _paint_flake(
     if z < NEAREST_M or z > FARTHEST_M:
         return
     f = scene.intrinsics[0]
-    disc = (f * x / z + scene.intrinsics[1], f * y / z + scene.intrinsics[2], 0.5 * wide * f / z)
-    reach = disc[2] + 2.0
-    if disc[0] < corner[1] - reach or disc[0] > corner[1] + plane.shape[1] + reach:
+    u, v = f * x / z + scene.intrinsics[1], f * y / z + scene.intrinsics[2]
+    radius = 0.5 * diameter * f / z
+    reach = radius + 2.0
+    if u < corner[1] - reach or u > corner[1] + plane.shape[1] + reach:
         return
-    if disc[1] < corner[0] - reach or disc[1] > corner[0] + plane.shape[0] + reach:
+    if v < corner[0] - reach or v > corner[0] + plane.shape[0] + reach:
         return
-    e = effects.level + lamp_light(x, y, z, channel.attenuation, effects)
-    value = attenuated(255.0 * ALBEDO * e, x, y, z, channel, scene.fog) + channel.veil
-    paint_disc(plane, corner, disc, value)
+    irradiance = effects.level + lamp_light(x, y, z, channel.attenuation, effects)
+    value = attenuated(255.0 * ALBEDO * irradiance, x, y, z, channel, scene.fog) + channel.veil
+    paint_disc(plane, corner, (u, v, radius), value)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

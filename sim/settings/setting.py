@@ -70,7 +70,7 @@ def setting(  # noqa: PLR0913  # one keyword per schema keyword
         extras["x-names"] = list(names)
     if applies is not None:
         extras["x-applies"] = dict(applies)
-    bounds: dict[str, Any] = {}
+    bounds: dict[str, Any]
     if names is not None:
         bounds = {"max_length": MAX_LENGTH}
     elif length is None:
