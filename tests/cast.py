@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from sqlalchemy.orm import Session
+
 from seamark.programs import preparation
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
@@ -50,18 +52,19 @@ class Backend:
     def with_cast(cls, database: Database, settings: Settings) -> Self:
         """Sign up the people of the cast."""
         backend = cls(database, settings, {"guest": Viewer(guest="g"), "nobody": Viewer()})
-        for name in USERS:
-            backend.sign_up(name)
-        for name, role in STAFF.items():
-            backend.sign_up(name, role=role)
+        with database.writing() as session:
+            for name, role in (dict.fromkeys(USERS, Role.USER) | STAFF).items():
+                backend._sign_up(session, name, role)
         return backend
 
     def sign_up(self, name: str, *, role: Role = Role.USER) -> Viewer:
         with self.database.writing() as session:
-            user = accounts.sign_up(session, name, None, role=role)
-            viewer = Viewer(user_id=user.id, name=user.name, account_role=role)
-        self.viewers[name] = viewer
-        return viewer
+            self._sign_up(session, name, role)
+        return self.viewers[name]
+
+    def _sign_up(self, session: Session, name: str, role: Role) -> None:
+        user = accounts.sign_up(session, name, None, role=role)
+        self.viewers[name] = Viewer(user_id=user.id, name=user.name, account_role=role)
 
     def user_id(self, name: str) -> int:
         number = self.viewers[name].user_id

@@ -9,12 +9,14 @@ from pathlib import Path
 
 import pytest
 import structlog
+from argon2 import PasswordHasher
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
+from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
 from tests.cast import Backend
@@ -33,6 +35,8 @@ hypothesis_settings.register_profile(
 )
 hypothesis_settings.load_profile("patient")
 compiled_once.share()
+# Hashing a password is dear on purpose; only the test of that hashes as the service does.
+HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, PasswordHasher(1, 8, 1)
 # A full collection looks at 800,000 objects, for a second: it took a third of some files' time.
 gc.set_threshold(20_000)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
@@ -95,8 +95,9 @@ Times are seconds since 1970 (UTC). To get the next page of a list, pass its `ne
 """
 
 
-def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
-    """Return the document of all operations of the blueprints."""
+@cache
+def build(blueprints: tuple[APIBlueprint, ...]) -> dict[str, Any]:
+    """Return the document of all operations of the blueprints, built once; nobody may change it."""
     paths: dict[str, Any] = {}
     schemas: dict[str, Any] = {"Problem": PROBLEM_SCHEMA}
     tags: dict[str, dict[str, Any]] = {}
@@ -191,7 +192,7 @@ def _complete(operation: dict[str, Any], *, changes: bool) -> None:
     operation["security"] = _SECURITY
 
 
-def store(app: Flask, blueprints: Iterable[APIBlueprint]) -> None:
+def store(app: Flask, blueprints: tuple[APIBlueprint, ...]) -> None:
     """Build the document once, at the start."""
     app.extensions[_KEY] = build(blueprints)
 

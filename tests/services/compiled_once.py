@@ -3,13 +3,14 @@
 Each test has an application of its own; the service has one. Compiling took most of their time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from flask import Flask
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
-from werkzeug.routing import Rule
+from werkzeug.routing import BaseConverter, Rule
+from werkzeug.routing.rules import RulePart
 
 Builder = Callable[..., tuple[str, str]]
 
@@ -31,9 +32,24 @@ class CompiledTemplates(BytecodeCache):
 
 
 class CompiledRule(Rule):
-    """A route whose functions that build addresses are those of an equal route."""
+    """A route with the parts, and the functions that build addresses, of an equal route."""
 
     _builders: ClassVar[dict[tuple[object, ...], Builder]] = {}
+    _parsed: ClassVar[
+        dict[str, tuple[list[RulePart], list[tuple[bool, str]], dict[str, BaseConverter]]]
+    ] = {}
+
+    def _parse_rule(self, rule: str) -> Iterable[RulePart]:
+        if rule not in self._parsed:
+            before = len(self._trace)
+            parts = list(super()._parse_rule(rule))
+            self._parsed[rule] = parts, self._trace[before:], dict(self._converters)
+            return parts
+        parts, trace, converters = self._parsed[rule]
+        self._trace += trace
+        self._converters |= converters
+        self.arguments |= converters.keys()
+        return parts
 
     def _compile_builder(self, append_unknown: bool = True) -> Builder:
         if self.defaults:  # they are written into the function

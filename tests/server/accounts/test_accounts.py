@@ -1,6 +1,7 @@
 import time
 
 import pytest
+from argon2 import Type
 from sqlalchemy import update
 
 from seamark.server.accounts import accounts
@@ -9,6 +10,7 @@ from seamark.server.accounts.permissions import ADMIN, READ, SUBMIT, Role
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Token
 from seamark.server.settings import Settings
+from tests.conftest import HASHER_OF_SERVICE
 
 PASSWORD = "correct horse battery"
 
@@ -22,6 +24,13 @@ def test_a_password_signs_in_to_its_own_account_only(database: Database) -> None
         assert accounts.authenticate(session, "ann", PASSWORD) is ann
         assert accounts.authenticate(session, "bob", PASSWORD) is None
         assert accounts.authenticate(session, "cat", PASSWORD) is None
+
+
+def test_the_service_hashes_passwords_at_the_cost_that_owasp_asks_for() -> None:
+    # At least 19 MiB and two passes (OWASP Password Storage Cheat Sheet, Argon2id).
+    assert HASHER_OF_SERVICE.type is Type.ID
+    assert HASHER_OF_SERVICE.memory_cost >= 19 << 10
+    assert HASHER_OF_SERVICE.time_cost >= 2
 
 
 def test_nobody_can_sign_in_to_an_account_without_a_password(database: Database) -> None:
