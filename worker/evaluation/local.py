@@ -22,7 +22,8 @@ from seamark.sim import registry
 from seamark.sim.engine.program import Program
 from seamark.sim.engine.warm_up import warm_up_benchmark
 from seamark.sim.recording.telemetry import INDEX
-from seamark.worker.evaluation.check import SEED, CheckRecorder, check
+from seamark.worker.evaluation.check import check
+from seamark.worker.evaluation.check_recorder import SEED, CheckRecorder
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler

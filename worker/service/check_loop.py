@@ -25,7 +25,7 @@ from seamark.server.programs.check_queue import CheckClaim
 from seamark.server.runs.data.files import StorageFailed
 from seamark.server.settings import Settings
 from seamark.server.storage import storage
-from seamark.worker.evaluation.check import SEED, CheckRecorder
+from seamark.worker.evaluation.check_recorder import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
