@@ -1,5 +1,6 @@
 """Accounts, passwords and tokens."""
 
+import contextlib
 import hashlib
 import hmac
 import math
@@ -13,6 +14,7 @@ from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
 from argon2.low_level import ARGON2_VERSION
 from sqlalchemy import delete, func, select, update
+from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.printable_text import visible_text
@@ -22,6 +24,7 @@ from seamark.server.accounts.permissions import (
     Viewer,
     grantable,
 )
+from seamark.server.database.engine import Database
 from seamark.server.database.tables import BrowserSession, Token, User
 from seamark.server.settings import Settings
 
@@ -37,7 +40,7 @@ TOKENS_MAX = 50  # per account
 TOKEN_NAME_MAX = 80  # [character]
 _NAME = re.compile(rf"[A-Za-z][A-Za-z0-9._-]{{1,{NAME_MAX - 1}}}")
 _DAY_S = 86_400.0
-_USED_STEP_S = 60.0  # `last_used_at` is written at most this often
+_USED_STEP_S = 600.0  # `last_used_at` is written at most this often
 _hasher = PasswordHasher()
 
 
@@ -192,30 +195,43 @@ def revoke_token(session: Session, user_id: int, token_id: int) -> bool:
 
 
 def viewer_of_token(session: Session, text: str) -> Viewer | None:
-    """Return the viewer of a token; None if it is unknown or expired, or the account disabled.
+    """Return the viewer of a token; None if it is unknown or expired, or the account disabled."""
+    row = _valid_token(session, text)
+    return None if row is None else _viewer_by(*row)
 
-    Only reads; `record_use` records that the token was used.
+
+def use_token(database: Database, text: str) -> Viewer | None:
+    """Do as `viewer_of_token`, and record that the token was used.
+
+    A database that cannot be written to for now records nothing: what is only read can be read.
     """
+    with database.reading() as session:
+        row = _valid_token(session, text)
+        if row is None:
+            return None
+        token, user = row
+        viewer, used_at, now = _viewer_by(token, user), token.last_used_at or 0.0, time.time()
+    if used_at < now - _USED_STEP_S:
+        unrecorded = Token.last_used_at.is_(None) | (Token.last_used_at < now - _USED_STEP_S)
+        used = update(Token).where(Token.id == token.id, unrecorded).values(last_used_at=now)
+        with contextlib.suppress(OperationalError), database.writing() as session:
+            session.execute(used)
+    return viewer
+
+
+def _valid_token(session: Session, text: str) -> tuple[Token, User] | None:
     query = select(Token, User).join(User, User.id == Token.user_id)
     row = session.execute(query.where(Token.hash == secret_hash(text))).one_or_none()
     if row is None:
         return None
     token, user = row
-    if user.disabled_at is not None:
-        return None
-    if token.expires_at is not None and token.expires_at <= time.time():
-        return None
+    expired = token.expires_at is not None and token.expires_at <= time.time()
+    return None if expired or user.disabled_at is not None else (token, user)
+
+
+def _viewer_by(token: Token, user: User) -> Viewer:
     expires_at = math.inf if token.expires_at is None else token.expires_at
     return viewer_of_user(user, token.scopes, token_expires_at=expires_at)
-
-
-def record_use(session: Session, text: str) -> None:
-    """Record that a token was used, at most once a minute."""
-    now = time.time()
-    stale = (Token.last_used_at.is_(None)) | (Token.last_used_at < now - _USED_STEP_S)
-    session.execute(
-        update(Token).where(Token.hash == secret_hash(text), stale).values(last_used_at=now)
-    )
 
 
 def viewer_of_user(

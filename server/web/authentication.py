@@ -106,8 +106,7 @@ def _has_other_token() -> bool:
 def _viewer() -> Viewer:
     """Return who sent the request; an invalid token is refused, not treated as anonymous."""
     if by_token():
-        with services().database.reading() as database:
-            viewer = accounts.viewer_of_token(database, _token())
+        viewer = accounts.use_token(services().database, _token())
         if viewer is None:
             raise Unauthorized("The token is unknown, revoked or expired.")
         return viewer

@@ -1,4 +1,5 @@
 import time
+from contextlib import closing
 
 import pytest
 from argon2 import Type, extract_parameters
@@ -100,6 +101,37 @@ def test_expired_revoked_and_unknown_tokens_authorize_nobody(database: Database)
         found = [accounts.viewer_of_token(session, text) for text in (old, gone, "smk_x", "")]
 
     assert found == [None] * 4
+
+
+def test_the_use_of_a_token_is_recorded_but_not_at_every_request(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        text = accounts.new_token(session, ann.id, "laptop", [READ])
+        accounts.new_token(session, ann.id, "unused", [READ])
+
+    def used_at(now: float) -> list[float | None]:
+        monkeypatch.setattr(time, "time", lambda: now)
+        assert accounts.use_token(database, text) is not None
+        with database.reading() as session:
+            return [token.last_used_at for token in accounts.tokens(session, ann.id)]
+
+    now = time.time()
+    assert used_at(now) == [None, now]
+    assert used_at(now + 599.0) == [None, now]
+    assert used_at(now + 601.0) == [None, now + 601.0]
+
+
+def test_a_token_is_good_for_reading_while_nothing_can_be_written(
+    settings: Settings, database: Database
+) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        text = accounts.new_token(session, ann.id, "laptop", [READ])
+
+    with closing(Database(settings.database_url, busy_s=0.01)) as other, database.writing():
+        assert accounts.use_token(other, text) is not None
 
 
 def test_only_the_owner_can_revoke_a_token(database: Database) -> None:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import time
 import zipfile
 from typing import Any
 
@@ -95,6 +96,17 @@ def test_an_exceeded_quota_is_a_429_with_retry_after(site: Site) -> None:
 
     problem_of(answer, 429, "quota-exceeded")
     assert int(answer.headers["Retry-After"]) > 0
+
+
+def test_the_list_of_tokens_says_which_of_them_are_used(site: Site) -> None:
+    before = time.time()
+    site.call("owner", "GET", RUNS)
+
+    tokens = site.call("owner", "GET", "/api/v1/tokens").get_json()["tokens"]
+
+    used = {token["name"]: token["last_used_at"] for token in tokens}
+    assert before <= used.pop("owner") <= time.time()
+    assert set(used.values()) <= {None}
 
 
 def test_a_cookie_without_the_csrf_token_changes_nothing(site: Site) -> None:
