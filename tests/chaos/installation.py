@@ -23,7 +23,7 @@ from seamark.server.settings import Settings
 from tests.services import faulty_s3, postgres, s3
 from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
-from tests.worker.conftest import Service, service_with
+from tests.worker.conftest import POLL_S, Service, service_with
 from tests.worker.processes import command_line
 
 ZYGOTE = "seamark.worker.zygote.process"
@@ -197,7 +197,7 @@ def wait_until(happened: Callable[[], object], seconds: float = START_S) -> None
     deadline = time.monotonic() + seconds
     while not happened():
         assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.05)
+        time.sleep(POLL_S)
 
 
 def _serves(port: int) -> bool:

@@ -31,6 +31,7 @@ SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
 QUICK = {"lease_s": 3.0, "workers": 1}
+POLL_S = 0.1  # each look at a run or at all processes takes CPU from what it waits for
 
 
 @dataclass
@@ -90,7 +91,7 @@ class Service(Backend):
             if view.report is not None:
                 return view.report
             assert time.monotonic() < deadline, f"still {view.state}"
-            time.sleep(0.02)  # the database announces nothing
+            time.sleep(POLL_S)
 
     def wait(
         self, run_id: int, until: Callable[[RunView], bool], seconds: float = START_S
@@ -98,7 +99,7 @@ class Service(Backend):
         deadline = time.monotonic() + seconds
         while not until(view := self.show(run_id)):
             assert time.monotonic() < deadline, f"still {view.state}, attempt {view.attempt}"
-            time.sleep(0.02)  # the database announces nothing
+            time.sleep(POLL_S)
         return view
 
     def ended(self, run_id: int, seconds: float = START_S) -> RunView:
@@ -110,7 +111,7 @@ class Service(Backend):
         while self.redis.exists(*broker.ticket_keys(self.app), "unacked"):
             if time.monotonic() > deadline:
                 return False
-            time.sleep(0.05)
+            time.sleep(POLL_S)
         return True
 
     def time_to_cancel(self, run_id: int) -> tuple[RunView, float]:

@@ -32,7 +32,7 @@ from tests.seamark.bridge.conftest import BENCHMARK, SEED, SHORT, configuration
 from tests.seamark.bridge.rosbridge.conftest import PATIENCE_S, Client
 from tests.services.asgi import serving
 from tests.services.ports import free_port
-from tests.worker.conftest import START_S, Service
+from tests.worker.conftest import POLL_S, START_S, Service
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 LANE = "w1@here/bridges-1"
@@ -219,6 +219,7 @@ def test_a_session_ends_with_its_token_and_its_run_is_cancelled(
     while time.monotonic() < until:
         client.receive(op="publish")
         client.command(0.0)
+        time.sleep(POLL_S)  # so that the simulator rests meanwhile
     assert site.service.show(run_of(client)).state is RunState.RUNNING
 
     with site.service.database.writing() as session:

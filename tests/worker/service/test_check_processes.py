@@ -7,7 +7,7 @@ import pytest
 from seamark.server.programs import check_queue
 from seamark.server.programs.check_queue import CheckState, CheckView
 from tests.cast import PROGRAM
-from tests.worker.conftest import START_S, Service
+from tests.worker.conftest import POLL_S, START_S, Service
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 SLEEPS = b"""
@@ -38,7 +38,7 @@ def _wait(service: Service, check_id: int, who: str, state: CheckState) -> None:
     deadline = time.monotonic() + START_S
     while (found := _show(service, check_id, who).state) is not state:
         assert time.monotonic() < deadline, f"still {found}"
-        time.sleep(0.05)  # the database announces nothing
+        time.sleep(POLL_S)
 
 
 def test_a_program_that_sleeps_in_its_check_does_not_delay_the_checks_of_others(

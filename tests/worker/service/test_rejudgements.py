@@ -13,7 +13,7 @@ from seamark.server.administration.rejudgements import Difference, RejudgementVi
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
 from seamark.server.runs.record.states import RunState
-from tests.worker.conftest import LONG, START_S, Service
+from tests.worker.conftest import LONG, POLL_S, START_S, Service
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 
@@ -36,7 +36,7 @@ def wait_until(happened: Callable[[], bool]) -> None:
     deadline = time.monotonic() + START_S
     while not happened():
         assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.05)  # the database announces nothing
+        time.sleep(POLL_S)
 
 
 def _rejudged(service: Service) -> tuple[RejudgementView, list[Difference]]:

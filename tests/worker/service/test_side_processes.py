@@ -17,7 +17,7 @@ from seamark.server.messaging.workers import WorkerStatus
 from seamark.server.runs.record.states import RunState
 from seamark.worker.service import ping
 from seamark.worker.service.side_processes import SideProcesses
-from tests.worker.conftest import Service
+from tests.worker.conftest import POLL_S, Service
 from tests.worker.processes import children, command_line
 
 MARKS = {  # side process -> a part of its command line
@@ -36,7 +36,7 @@ def eventually(find: Callable[[], _Found | None], seconds: float = 60.0) -> _Fou
     deadline = time.monotonic() + seconds
     while not (found := find()):
         assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.02)
+        time.sleep(POLL_S)
     return found
 
 
@@ -193,24 +193,28 @@ def test_a_stop_ends_all_side_processes(started, reports: Reports, command: list
 
 @pytest.mark.slow
 def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
-    held = threading.Lock()
+    held, reporting = threading.Lock(), threading.Event()
 
     def report(_: dict[str, str]) -> None:
         with held:
+            reporting.set()
             time.sleep(0.05)
 
     side_processes = SideProcesses({"fine": LIVES}, report, leave=int, report_s=0.0)
     side_processes.start()
     try:
-        statuses = [_status_of_fork(held) for _ in range(200)]
+        statuses = [_status_of_fork_in(reporting, held) for _ in range(10)]
     finally:
         side_processes.stop()
         side_processes.join()
 
-    assert statuses == [0] * 200
+    assert statuses == [0] * 10
 
 
-def _status_of_fork(held: threading.Lock) -> int:
+def _status_of_fork_in(reporting: threading.Event, held: threading.Lock) -> int:
+    """Fork while the thread reports; return 0 if the fork found the lock free."""
+    reporting.clear()
+    assert reporting.wait(30.0)
     pid = os.fork()
     if pid == 0:
         os._exit(int(held.locked()))

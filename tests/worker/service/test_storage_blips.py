@@ -31,7 +31,7 @@ from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
 from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
-from tests.worker.conftest import SHORT
+from tests.worker.conftest import POLL_S, SHORT
 
 LEASE_S = 2.0
 PATIENCE_S = 40.0  # less than a request to the storage may take, so that waiting for it shows
@@ -83,7 +83,7 @@ def _wait_until(happened: Callable[[], object]) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while not happened():
         assert time.monotonic() < deadline
-        time.sleep(0.05)
+        time.sleep(POLL_S)
 
 
 def _run(backend: Backend, run_id: int) -> Run:
