@@ -3,9 +3,9 @@
 import csv
 import json
 import re
-import subprocess
-import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from typing import NamedTuple
 from performance import DOCS, FIGURES
 from performance.plots import COLOURS, figure
 from performance.tables import markdown_table
+from seamark.cli.main import cli
 
 PAGE = DOCS / "tutorial.md"
 BENCHMARK, SEED = "currents-v1", 2026
@@ -42,11 +43,10 @@ def run(source: str, *options: str) -> Run:
         program, out = Path(folder, "controller.py"), Path(folder, "result")
         program.write_text(source, encoding="utf-8")
         arguments = ["run", BENCHMARK, "--controller", str(program), "--seed", str(SEED)]
-        subprocess.run(
-            [sys.executable, "-m", "seamark.cli.main", *arguments, "--out", str(out), *options],
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
+        command = [*arguments, "--out", str(out), *options]
+        with redirect_stdout(StringIO()):
+            if code := cli.main(command, "seamark", standalone_mode=False):
+                raise RuntimeError(f"`seamark {' '.join(command)}` ended with exit code {code}")
         metrics = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
         with (out / "telemetry.csv").open(encoding="utf-8") as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))

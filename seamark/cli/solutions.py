@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -100,6 +101,7 @@ def prepare_valid(path: Path, *, benchmark: str) -> PreparedProgram:
     return prepared
 
 
+@cache  # trying takes most of a second, and a search and its validation both ask
 def isolation_level() -> IsolationLevel:
     """Return the isolation level of sandboxes on this machine; PlatformFailed if it is none."""
     from seamark.sandbox.isolation.level import IsolationLevel

@@ -22,7 +22,7 @@ from seamark.server.accounts.permissions import ACCOUNT_ROLES, SCOPES
 from seamark.server.database.engine import Database
 from seamark.sim import registry
 
-SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
+SHORT = ("--set", "levels=0", "--set", "level_duration_s=2", "--set", "settle_s=1", "--seed", "7")
 CRASHING = """
 class Controller:
     def __init__(self, config):

@@ -88,7 +88,8 @@ def test_the_best_configuration_gives_its_score_again_in_a_run() -> None:
 def test_a_program_is_tuned_by_what_it_declares_and_its_crashes_are_listed() -> None:
     Path("brittle.py").write_text(BRITTLE)
 
-    answer = tune("--controller", "brittle.py", *SMALL, "--method", "grid", "--candidates", "3")
+    search = (*SMALL, "--method", "grid", "--candidates", "3", "--validate", "2")
+    answer = tune("--controller", "brittle.py", *search)
 
     assert answer.exit_code == 0
     assert "1 candidate failed:" in answer.stdout

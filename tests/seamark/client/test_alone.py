@@ -134,7 +134,7 @@ def test_the_client_imports_nothing_of_the_simulator(alone: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_its_sources_are_for_python_3_10_and_newer(tmp_path: Path) -> None:
+def test_its_sources_are_for_python_3_10_and_newer() -> None:
     sources = [str(SEAMARK / name) for name in CLIENT if name not in {"cli", "py.typed"}]
     shared: tuple[str, ...] = (
         "main",
@@ -155,7 +155,6 @@ def test_its_sources_are_for_python_3_10_and_newer(tmp_path: Path) -> None:
         "silent",
         "--no-warn-return-any",
     )
-    options += ("--cache-dir", str(tmp_path))
 
     done = subprocess.run(
         [sys.executable, "-m", "mypy", *options, "--config-file", "pyproject.toml", *sources],
