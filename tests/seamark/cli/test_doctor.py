@@ -176,10 +176,12 @@ def test_the_doctor_ends_with_3_when_runs_cannot_work_and_writes_nothing(tmp_pat
     data = tmp_path / "data"
     environ = {"SEAMARK_BROKER_URL": f"redis://127.0.0.1:{free_port()}"}
 
-    answer = CliRunner().invoke(cli, ["doctor", "--data", str(data)], env=environ)
+    answer = CliRunner().invoke(cli, ["doctor", "--json", "--data", str(data)], env=environ)
 
+    checks = {check["name"]: check for check in json.loads(answer.stdout)["checks"]}
     assert answer.exit_code == 3
-    assert "bad     broker: does not answer" in answer.output
+    assert checks["broker"]["state"] == "bad"
+    assert "does not answer" in checks["broker"]["says"]
     assert not data.exists()
 
 

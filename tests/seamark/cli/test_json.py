@@ -29,7 +29,6 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "benchmarks": "",
     "benchmarks NAME": "currents-v1",
     "completion": "bash",
-    "doctor": "",
     "user add": "zoe",
     "user import": "names.txt",
     "user invite": "--count 2",
@@ -49,7 +48,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(
     {
-        *("run", "rerun", "replay", "export", "plot", "tune", "up"),
+        *("run", "rerun", "replay", "export", "plot", "tune", "up", "doctor"),
         *("db reference-entries", "db grant-worker", "mail test"),
         *("bridge rosbridge", "bridge ardusub"),
     }

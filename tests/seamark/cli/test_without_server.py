@@ -110,8 +110,8 @@ def test_a_program_is_checked_in_its_box(tmp_path: Path) -> None:
 def test_the_doctor_looks_at_what_is_there_and_writes_nothing(tmp_path: Path) -> None:
     done = without_server(tmp_path, "doctor")
 
-    assert "server: not installed" in done.stdout
-    assert "contacts: off" in done.stdout
+    assert "ok      server: not installed" in done.stdout
+    assert "warning contacts: off" in done.stdout
     assert "database" not in done.stdout
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []

@@ -1,13 +1,85 @@
-"""The embedded service for real: starts, evaluates, ends, leaves nothing behind."""
+"""The embedded service for real: starts, evaluates, keeps its files to itself, leaves nothing."""
 
+import os
 import signal
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from seamark.cli.main import cli
 from seamark.client import Client
-from tests.services.embedded import END_S, started, up
+from seamark.server.accounts import accounts
+from seamark.server.database import schema
+from seamark.server.database.engine import Database
+from seamark.server.settings import Settings
+from tests.services.embedded import END_S, cancel_baselines, started, up
+
+pytestmark = pytest.mark.slow
+
+PYTHON = """
+import numpy, scipy.signal
+class Controller:
+    def __init__(self, config): pass
+    def step(self, observation): return numpy.zeros(4)
+"""
+C = """
+#include "seamark.h"
+int seamark_step(const seamark_observation *observation, seamark_command *command) {
+    (void)observation, (void)command;
+    return 0;
+}
+"""
+CONFIG = {"levels": [0.0], "level_duration_s": 4.0, "settle_s": 1.0}
+KNOWN = 0o077  # of others, and of the group
+Service = tuple[str, "subprocess.Popen[str]"]  # its address and process
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _usual_umask() -> Iterator[None]:
+    """What a shell gives to what it starts, whatever that of the tests is."""
+    before = os.umask(0o022)
+    yield
+    os.umask(before)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of an earlier version, which anybody can read."""
+    folder = tmp_path_factory.mktemp("service") / "data"
+    folder.mkdir()
+    schema.upgrade(Settings.model_validate({"data": folder}))
+    for path in (folder, *folder.rglob("*")):
+        path.chmod(0o755 if path.is_dir() else 0o644)
+    (folder / "notes.txt").write_text("not of the service")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def database(data: Path) -> Iterator[Database]:
+    opened = Database(f"sqlite:///{data}/seamark.db")
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="module")
+def service(data: Path, database: Database) -> Iterator[Service]:
+    with started(data) as found:
+        cancel_baselines(database)
+        yield found
+
+
+def _readable(folder: Path) -> list[str]:
+    """Return what others can read or enter of what is in a folder."""
+    found = list[str]()
+    for place, folders, files in os.walk(folder):
+        opened = [name for name in folders if (Path(place) / name).stat().st_mode & KNOWN]
+        modes = {name: (Path(place) / name).lstat().st_mode for name in files}
+        found += opened + [name for name, mode in modes.items() if mode & KNOWN]
+        folders[:] = opened  # into the others nobody gets
+    return found
 
 
 def below(pid: int) -> set[int]:
@@ -21,25 +93,66 @@ def alive(pid: int) -> bool:
     return Path(f"/proc/{pid}").exists()
 
 
-@pytest.mark.slow
-def test_up_evaluates_a_run_refuses_a_second_instance_and_leaves_no_process(
-    tmp_path: Path,
+@pytest.mark.host
+def test_a_service_in_a_folder_that_all_can_read_hides_what_is_its_own_and_runs_uploads(
+    data: Path, database: Database, service: Service, tmp_path: Path
 ) -> None:
-    data, config = tmp_path / "data", {"levels": [0.0], "level_duration_s": 40.0}
-    with started(data) as (address, service):
-        with Client(address) as client:
-            ended = client.submit("currents-v1", controller="p", config=config, seed=7).wait()
-            rows = ended.telemetry()
-        second = subprocess.run(up(data), capture_output=True, text=True, check=False)
-        children = below(service.pid)
-        service.send_signal(signal.SIGTERM)
-        service.communicate(timeout=END_S)
+    (tmp_path / "mine.py").write_text(PYTHON)
+    (tmp_path / "mine.c").write_text(C)
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        token = accounts.new_token(session, ann.id, "t", ["read", "submit"], days=1.0)
+
+    running = _readable(data)
+    with Client(service[0], token=token) as client:
+        ended = [
+            client.submit("currents-v1", program=tmp_path / name, config=CONFIG, seed=1).wait()
+            for name in ("mine.py", "mine.c")
+        ]
+    after = _readable(data)
+
+    assert [(run.state, run.document["cause"]) for run in ended] == [("succeeded", None)] * 2
+    assert (running, after) == (["notes.txt"], ["notes.txt"])
+
+
+def test_up_evaluates_a_run_and_refuses_a_second_instance(data: Path, service: Service) -> None:
+    with Client(service[0]) as client:
+        ended = client.submit("currents-v1", controller="p", config=CONFIG, seed=7).wait()
+        rows = ended.telemetry()
+    second = subprocess.run(up(data), capture_output=True, text=True, check=False)
 
     assert ended.state == "succeeded"
     assert ended.digest
-    assert len(rows) == 800  # 40 s at 20 Hz
+    assert len(rows) == 80  # 4 s at 20 Hz
     assert second.returncode == 2
     assert f"Seamark is already running on {data}" in second.stderr
+
+
+def test_the_end_of_a_service_leaves_no_process(service: Service) -> None:  # so it is the last
+    process = service[1]
+    children = below(process.pid)
+
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=END_S)
+
     assert len(children) > 4  # broker, web, worker and their children
-    assert service.returncode == 0
+    assert process.returncode == 0
     assert [pid for pid in children if alive(pid)] == []
+
+
+def test_what_commands_write_is_for_their_owner_alone(tmp_path: Path) -> None:
+    data, restored, archive = tmp_path / "data", tmp_path / "restored", tmp_path / "b.tar"
+    for folder in (data, restored):
+        folder.mkdir(mode=0o755)
+
+    for words, place in (
+        (("db", "upgrade"), data),
+        (("user", "add", "ann", "--password", "correct horse"), data),
+        (("backup", str(archive)), data),
+        (("restore", str(archive)), restored),
+    ):
+        answer = CliRunner().invoke(cli, [*words, "--data", str(place)])
+        assert answer.exit_code == 0, answer.output
+
+    assert (_readable(data), _readable(restored)) == ([], [])
+    assert not archive.stat().st_mode & KNOWN
