@@ -14,10 +14,13 @@ from seamark.sandbox.isolation.proc_stats import tree
 from seamark.server.database.tables import Worker
 from seamark.server.messaging import workers
 from seamark.server.messaging.workers import WorkerStatus
+from seamark.server.programs import check_queue
+from seamark.server.programs.check_queue import CheckState
 from seamark.server.runs.record.states import RunState
 from seamark.worker.service import ping
 from seamark.worker.service.side_processes import SideProcesses
-from tests.worker.conftest import POLL_S, Service
+from tests.cast import PROGRAM
+from tests.worker.conftest import POLL_S, START_S, Service
 from tests.worker.processes import children, command_line
 
 MARKS = {  # side process -> a part of its command line
@@ -28,6 +31,13 @@ MARKS = {  # side process -> a part of its command line
 DIES = ["-c", "raise SystemExit(3)"]
 LIVES = ["-c", "import time; time.sleep(600)"]
 IGNORES = ["-c", "import signal, time; signal.signal(15, signal.SIG_IGN); time.sleep(600)"]
+SLEEPS = b"""
+import time
+class Controller:
+    def __init__(self, config): time.sleep(50)  # a check may take 60 s
+    def step(self, observation): return [0.0, 0.0, 0.0, 0.0]
+"""
+STEPS = PROGRAM.replace(b"...\n    def", b"pass\n    def").replace(b"...", b"return [0, 0, 0, 0]")
 _Found = TypeVar("_Found")
 
 
@@ -112,6 +122,39 @@ def test_the_health_check_tells_a_worker_that_hangs(
     assert silent == "no worker of this host has answered within 1 s"
     assert str(old).startswith("the last heartbeat is ")
     eventually(lambda: ping.problem(settings) is None)
+
+
+def _enqueue(service: Service, who: str, source: bytes) -> int:
+    program = service.store_program(source)
+    with service.database.writing() as session:
+        check_id = check_queue.enqueue(session, service.user_id(who), "currents-v1", {}, program)
+    check_queue.wake_worker(service.redis)
+    return check_id
+
+
+def _state(service: Service, check_id: int, who: str) -> CheckState:
+    with service.database.reading() as session:
+        view = check_queue.show(session, check_id, service.user_id(who))
+    assert view is not None
+    return view.state
+
+
+def _wait(service: Service, check_id: int, who: str, state: CheckState) -> None:
+    eventually(lambda: _state(service, check_id, who) is state, START_S)
+
+
+@pytest.mark.slow
+@pytest.mark.host
+def test_a_program_that_sleeps_in_its_check_does_not_delay_the_checks_of_others(
+    running: Service,
+) -> None:
+    sleeping = _enqueue(running, "ann", SLEEPS)
+    _wait(running, sleeping, "ann", CheckState.RUNNING)
+
+    for who in ("ben", "eva"):
+        _wait(running, _enqueue(running, who, STEPS), who, CheckState.DONE)
+
+    assert _state(running, sleeping, "ann") is CheckState.RUNNING
 
 
 class Reports:
