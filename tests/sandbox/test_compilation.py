@@ -1,6 +1,8 @@
 """Programs in C and C++: compiler messages, inputs and output."""
 
 import platform
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +11,8 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, language_of
-from seamark.sandbox.limits import Limits
+from seamark.sandbox.languages.c_family.host import gcc_runtime, our_objects
+from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import tried
 
@@ -207,3 +210,24 @@ def test_endless_recursion_is_reported_with_its_line(isolation: IsolationLevel) 
 
     assert "SIGSEGV" in end.value.outcome.sentence
     assert end.value.outcome.sentence.endswith("in deep (line 3 of mine.c)")
+
+
+def test_a_program_is_the_same_where_our_part_of_it_is_compiled_with_each(
+    isolation: IsolationLevel, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    runtime = gcc_runtime("gcc")
+    kept = set(our_objects().values())
+    nothing_kept = tuple(mount for mount in runtime.mounts if mount.source not in kept)
+    source = (PROGRAM % ("", "")).encode()
+    programs = []
+    for mounts in (runtime.mounts, nothing_kept):
+        with Box(
+            "c", limits=COMPILING, isolation=isolation, runtime=replace(runtime, mounts=mounts)
+        ) as box:
+            box.load(source, "mine.c", {}, LAYOUT)
+            programs.append(box.finish().output)
+
+    assert len(kept) == len(runtime.mounts) - len(nothing_kept) == 2
+    assert programs[0] == programs[1] != b""
+    assert our_objects(tmp_path / "file" / "no folder") == {}

@@ -2,10 +2,13 @@
 libraries in the box of the compiled program. C++ has Eigen and OpenCV where they are installed.
 """
 
+import hashlib
 import os
+import subprocess
 from functools import cache
 from pathlib import Path
 
+from seamark.sandbox.languages.c_family.inside.compile_source import COMPILE_OURS
 from seamark.sandbox.languages.script_runtime import script_runtime
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.runtime import LIBRARIES, BindMount, Runtime, alternatives
@@ -14,6 +17,7 @@ HERE = Path(__file__).parent
 INSIDE = HERE / "inside"
 HEADERS = "/box/native"
 OURS = ("runner.c", "crash.c", "seamark.h")
+KEPT = HERE / "__pycache__"  # beside the bytecode, which is kept for the same reason
 TOOLS = ("as", "ld", "gcc")  # of any language: the runner is C
 TREES = ("/usr/lib/gcc", "/usr/libexec/gcc", "/usr/include")  # cc1 and collect2; headers
 # Optional, for C++. Modules that read and write files would load a hundred libraries of codecs.
@@ -55,6 +59,7 @@ def gcc_runtime(
     trees = [BindMount(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
     arguments = (f"/usr/bin/{compiler}", *OPTIONS, *options)
     ours = [BindMount(HERE / name, f"{HEADERS}/{name}") for name in OURS]
+    ours += [BindMount(path, f"{HEADERS}/{name}") for name, path in our_objects().items()]
     return script_runtime(
         inside,
         script,
@@ -63,6 +68,33 @@ def gcc_runtime(
         mounts=[*tools, *trees, *ours, *alternatives()],
         environment=ENVIRONMENT,
     )
+
+
+@cache
+def our_objects(kept_in: Path = KEPT) -> dict[str, Path]:
+    """Return name -> object file of our part of each program, compiled once if it can be kept.
+
+    Otherwise each box compiles it, which takes longer than most programs.
+    """
+    gcc = Path(os.path.realpath(COMPILE_OURS[0]))
+    states = [file.stat() for file in (gcc, *(HERE / name for name in OURS))]
+    text = f"{COMPILE_OURS} {[(state.st_mtime_ns, state.st_size) for state in states]}"
+    stamp = hashlib.sha256(text.encode()).hexdigest()[:16]
+    objects = {}
+    for source in (name for name in OURS if name.endswith(".c")):
+        name = f"{source.removesuffix('.c')}.o"
+        objects[name] = kept_in / f"{stamp}-{name}"
+        if objects[name].exists():
+            continue
+        partial = kept_in / f"{stamp}-{os.getpid()}-{name}"  # several processes may start at once
+        command = [*COMPILE_OURS, "-c", source, "-o", str(partial)]
+        try:
+            kept_in.mkdir(exist_ok=True)
+            subprocess.run(command, cwd=HERE, env=ENVIRONMENT, check=True, capture_output=True)
+            partial.rename(objects[name])
+        except (OSError, subprocess.CalledProcessError):  # no permission, for instance
+            return {}
+    return objects
 
 
 @cache

@@ -18,7 +18,8 @@ from .embedded_coder import Unfit, adapter, looks_generated
 
 NATIVE = Path("/box/native")
 SOURCE, OBJECTS = Path("/tmp/source"), Path("/tmp/objects")  # noqa: S108
-RUNNER = {"/tmp/runner.o": "runner.c", "/tmp/crash.o": "crash.c"}  # noqa: S108
+COMPILE_OURS = ("/usr/bin/gcc", "-O2", "-std=c11")
+RUNNER = {"runner.o": "runner.c", "crash.o": "crash.c"}
 BACKTRACE = Path("/usr/lib/gcc"), "*/*/libbacktrace.a"
 ZIP_MAGIC, CODER_MAIN, ADAPTER = b"PK\x03\x04", "ert_main", "seamark_connection.c"
 PROGRAM, MESSAGES = Path("/tmp/program"), Path("/tmp/messages")  # noqa: S108
@@ -29,7 +30,7 @@ ERROR_LINE = re.compile(r"error:|Error:|undefined reference|multiple definition"
 EMPTY: Mapping[str, str] = {}
 
 
-def compile_source(connection: Connection, command: list[str], runner_command: list[str]) -> None:
+def compile_source(connection: Connection, command: list[str]) -> None:
     """Compile and link; the program, and nothing else, goes to standard output."""
     header, source = connection.program()
     name = str(header["filename"])
@@ -41,17 +42,28 @@ def compile_source(connection: Connection, command: list[str], runner_command: l
     objects = {f"{OBJECTS}/{index}.o": file for index, file in enumerate(files)}
     for target, file in objects.items():
         run(connection, [*command, f"-I{SOURCE}", "-c", f"{SOURCE}/{file}", "-o", target], name)
-    for target, file in RUNNER.items():
-        run(connection, [*runner_command, "-c", f"{NATIVE}/{file}", "-o", target], name)
+    objects |= runner_objects(connection, name)
     libraries = [option for option in command if option.startswith("-l")]
     libraries += [str(path) for path in BACKTRACE[0].glob(BACKTRACE[1])]
-    linking = [command[0], *objects, *RUNNER, "-o", str(PROGRAM), AS_NEEDED, *libraries, "-lm"]
+    linking = [command[0], *objects, "-o", str(PROGRAM), AS_NEEDED, *libraries, "-lm"]
     run(connection, linking, name, named=objects)
     sys.stdout.buffer.write(PROGRAM.read_bytes())
     sys.stdout.buffer.flush()
     connection.send(b"k")
     connection.receive()
     connection.quit()
+
+
+def runner_objects(connection: Connection, name: str) -> dict[str, str]:
+    """Return object file -> source file of our part; compiled here if this host keeps none."""
+    objects = {}
+    for target, file in RUNNER.items():
+        made = f"{NATIVE}/{target}"
+        if not Path(made).exists():
+            made = f"/tmp/{target}"  # noqa: S108
+            run(connection, [*COMPILE_OURS, "-c", f"{NATIVE}/{file}", "-o", made], name)
+        objects[made] = file
+    return objects
 
 
 def write_sources(connection: Connection, name: str, source: bytes) -> list[str]:
@@ -108,10 +120,10 @@ def run(
         return
     with MESSAGES.open("rb") as messages:
         text = messages.read(MAX_TEXT_BYTES).decode("utf-8", "replace")
+    for path, file in named.items():
+        text = text.replace(path, file)
     for ours in OURS:
         text = text.replace(ours, "")
-    for path, file in {**named, **RUNNER}.items():
-        text = text.replace(path, file)
     text = ASSEMBLY.sub(f"{name} (assembly)", text)
     if "Killed signal" in text:
         connection.give_up(b"m", "The compiler exceeded its memory limit.", text)
@@ -130,4 +142,4 @@ def main() -> None:
     split = sys.argv.index("--")
     connection = connected(sys.argv[split + 1 :])
     connection.send(b"k")
-    compile_source(connection, sys.argv[1:split], ["/usr/bin/gcc", "-O2", "-std=c11"])
+    compile_source(connection, sys.argv[1:split])
