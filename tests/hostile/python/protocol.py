@@ -65,11 +65,6 @@ def exit_zero(observation):
     os._exit(0)
 
 
-def fork_answers(observation):
-    """Two processes answer."""
-    os.fork()
-
-
 def garbage(observation):
     """Sends seven bytes of garbage."""
     os.write(protocol(), b"garbage")
