@@ -27,7 +27,7 @@ LAYOUT = {
 }
 CORNERS = [[10.0, 20.0], [30.0, 20.0], [30.0, 40.0], [10.0, 40.0]]
 LIMITS = Limits(
-    cpu_s=1.0,
+    cpu_s=0.3,  # dozens of programs really use it up
     wall_s=20.0,
     start_wall_s=5.0,
     step_wall_s=0.7,
@@ -43,7 +43,7 @@ LONG_WAITS = replace(LIMITS, cpu_s=5.0, start_wall_s=20.0, step_wall_s=10.0)
 # For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
 SHORT_WAITS = replace(LIMITS, start_wall_s=2.0)
 MEMORY_MIB = {"matlab": 256}  # Octave has 180 MiB of address space by itself
-COMPILER = replace(COMPILING, cpu_s=3.0)  # the bombs would use up any limit
+COMPILER = replace(COMPILING, cpu_s=2.0)  # the bombs would use up any limit
 
 
 class Ended(NamedTuple):
@@ -86,7 +86,7 @@ def run(isolation: IsolationLevel) -> Callable[..., Outcome]:
         program: str | Path,
         *,
         layers: Layers | None = None,
-        limits: Limits = LIMITS,
+        limits: Limits = LONG_WAITS,
         **config: object,
     ) -> Outcome:
         if isinstance(program, str):

@@ -5,15 +5,19 @@ a control group with bounds of its own. What is seen: what the program prints, a
 says of it. It ends as soon as the expected is seen.
 """
 
+import contextlib
 import json
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from seamark.sandbox.isolation.cgroups import ControlGroup
@@ -26,8 +30,7 @@ RUNNERS = (
     Path(c_family.__file__).with_name("runner.c"),
     Path(matlab.__file__).with_name("inside") / "runner.m",
 )
-NAMESPACES = ("--mount", "--uts", "--ipc", "--net", "--pid", "--fork", "--kill-child")
-JOIN = 'for file in $0; do echo 0 > "$file"; done; exec "$@"'
+HEADER = Path(c_family.__file__).with_name("seamark.h")
 BOUNDS = Limits(cpu_s=60.0, wall_s=60.0, memory_mib=640, processes=100)
 ENDS_AFTER_S = 60.0  # [s] what was to be seen by then was not
 WAITS_S = 1.5  # [s] with less than that much CPU time, longer than any limit of an answer
@@ -49,11 +52,16 @@ class Excess:
     def __init__(self, group: ControlGroup, limits: Limits) -> None:
         self._group, self._limits = group, limits
         self._noted: set[str] = set()
-        self._since, self._before_s = time.monotonic(), 0.0  # of the call
+        self._calls = 0
+        self._since, self._before_s = time.monotonic(), 0.0  # of the last call
 
-    def notes(self, printed: int, *, called: bool) -> Iterator[str]:
-        """Yield what is new: of the time and CPU time since the program was called."""
-        if not called:
+    def notes(self, printed: int, *, calls: int) -> Iterator[str]:
+        """Yield what is new: of the time and CPU time since the last call.
+
+        The compiler is called before the program: neither counts for the other.
+        """
+        if calls > self._calls or not calls:
+            self._calls = calls
             self._since, self._before_s = time.monotonic(), self._group.cpu_s()
             return
         limits, waited_s = self._limits, time.monotonic() - self._since
@@ -74,7 +82,17 @@ class Excess:
                 yield f"takes {name}"
 
 
-def outside(case: Case, limits: Limits, folder: Path) -> str:
+@contextlib.contextmanager
+def machines() -> Iterator[socket.socket]:
+    """Yield where to ask for a copy of the machine (callers/init.py)."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    command = [sys.executable, "-I", "-S", str(CALLERS / "init.py")]
+    with subprocess.Popen(command, stdin=theirs), ours:
+        theirs.close()
+        yield ours
+
+
+def outside(case: Case, limits: Limits, folder: Path, machines: socket.socket) -> str:
     """Return what is seen of a program, as far as it was needed to see what the table says.
 
     `limits` are those of the box: what goes beyond is seen.
@@ -88,29 +106,22 @@ def outside(case: Case, limits: Limits, folder: Path) -> str:
     seen = Seen()
     group = ControlGroup(BOUNDS)
     try:
-        command = command_of(case, attack)
-        start = ["/bin/sh", "-c", JOIN, " ".join(group.procs_files())]
-        start += ["unshare", *NAMESPACES, sys.executable, "-I", "-S", str(CALLERS / "init.py")]
-        with subprocess.Popen(
-            [*start, str(overlay), str(attack), *command],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-        ) as process:
-            try:
-                watch(process, seen, Excess(group, limits), re.compile(case.expected["outside"]))
-            finally:
-                group.kill()
+        message = [group.procs_files(), str(overlay), str(attack), *command_of(case, attack)]
+        reading, writing = os.pipe()
+        with open(reading, "rb"):
+            socket.send_fds(machines, [json.dumps(message).encode()], [writing])
+            os.close(writing)
+            watch(reading, seen, Excess(group, limits), re.compile(case.expected["outside"]))
     finally:
+        group.kill()
         group.remove()
     return seen.text
 
 
-def watch(process: subprocess.Popen[bytes], seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
+def watch(reading: int, seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
     """Read and measure until what is wanted is seen, or nothing follows."""
-    assert process.stdout is not None
-    reading, printed = process.stdout.fileno(), 0
     os.set_blocking(reading, False)
+    printed = 0
     until = time.monotonic() + ENDS_AFTER_S
     while time.monotonic() < until and not wanted.search(seen.text):
         try:
@@ -121,7 +132,8 @@ def watch(process: subprocess.Popen[bytes], seen: Seen, excess: Excess, wanted: 
         else:
             printed += len(data)
             seen.text = (seen.text + data.decode("utf-8", "replace"))[-100_000:]
-        for note in excess.notes(printed, called="CALLER: calls" in seen.text or printed > 10_000):
+        calls = seen.text.count("CALLER: calls") or int(printed > 10_000)
+        for note in excess.notes(printed, calls=calls):
             seen.note(note)
         if not data:
             return
@@ -146,18 +158,17 @@ def command_of(case: Case, attack: Path) -> list[str]:
 
 def compiling(case: Case, attack: Path, suffix: str) -> list[str]:
     """Return the command that compiles a program with its caller, and starts it."""
+    kind = "-DTRACKER" if case.is_tracker else "-DMODEL" if case.name.startswith("model_") else ""
     caller = "caller_of_fmu.c" if case.folder == "fmu" else "caller.c"
-    shutil.copy(CALLERS / caller, attack / "caller.c")
+    (attack / "caller.o").write_bytes(caller_object(caller, kind))
     parts = ["program.o", "caller.o"]
     if case.folder == "fmu":
         shutil.copytree(HERE / "fmu" / "common", attack, dirs_exist_ok=True)
         parts += ["model.c"]
     else:
-        shutil.copy(Path(c_family.__file__).with_name("seamark.h"), attack)
-    kind = "-DTRACKER" if case.is_tracker else "-DMODEL" if case.name.startswith("model_") else ""
+        shutil.copy(HEADER, attack)
     compiler = "g++" if suffix == ".cpp" else "gcc"
     steps = (
-        f"gcc {kind} -c caller.c -o caller.o",
         "echo && echo CALLER: calls",  # the compiler: what it takes is seen, too
         f"{compiler} -O1 -w -I. -c program{suffix} -o program.o",
         "echo && echo CALLER: the compiler takes $(stat -c %s program.o) bytes",
@@ -165,3 +176,12 @@ def compiling(case: Case, attack: Path, suffix: str) -> list[str]:
         "exec ./program",
     )
     return ["/bin/sh", "-c", " && ".join(steps)]
+
+
+@cache
+def caller_object(caller: str, kind: str) -> bytes:
+    """Return what a caller in C is compiled to, once for all programs."""
+    command = ["gcc", *kind.split(), f"-I{HEADER.parent}", "-c", str(CALLERS / caller)]
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([*command, "-o", f"{folder}/caller.o"], check=True)
+        return Path(folder, "caller.o").read_bytes()

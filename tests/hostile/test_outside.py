@@ -2,6 +2,8 @@
 
 import os
 import re
+import socket
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,8 +11,8 @@ import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.outcome import Verdict
-from tests.hostile.conftest import LIMITS, limits_for
-from tests.hostile.control import outside
+from tests.hostile.conftest import COMPILER, LIMITS, limits_for
+from tests.hostile.control import machines, outside
 from tests.hostile.corpus import CASES, FRAMES, Case
 
 pytestmark = pytest.mark.host
@@ -19,20 +21,29 @@ each_case = pytest.mark.parametrize("program", CASES, ids=str)
 NOT_IN_THIS_KERNEL = re.compile(r".*\[Errno (?:38|97)\].*")  # ENOSYS, EAFNOSUPPORT
 
 
+@pytest.fixture(scope="module")
+def copies() -> Iterator[socket.socket]:
+    with machines() as requests:
+        yield requests
+
+
 @each_case
 def test_every_program_says_what_is_seen_outside_the_box(program) -> None:
     assert program.expected["outside"]
 
 
 @each_case
-def test_outside_the_box_a_hostile_program_gets_through(program, isolation, tmp_path) -> None:
+def test_outside_the_box_a_hostile_program_gets_through(
+    program, isolation, tmp_path, copies
+) -> None:
     if os.geteuid() != 0 or isolation is not IsolationLevel.STRONG:
         pytest.skip("outside the box it needs root, and control groups that hold it")
     expected = program.expected
 
-    limits = replace(limits_for(program), cpu_s=LIMITS.cpu_s)
+    compiles = program.name.startswith("compile_")
+    limits = replace(limits_for(program), cpu_s=(COMPILER if compiles else LIMITS).cpu_s)
 
-    seen = outside(program, limits, tmp_path)
+    seen = outside(program, limits, tmp_path, copies)
 
     if "absent" in expected and (refused := NOT_IN_THIS_KERNEL.search(seen)):
         pytest.skip(f"{program}: this kernel is without {expected['absent']}: {refused[0]}")
@@ -90,12 +101,14 @@ end
 
 @pytest.mark.parametrize("program", HONEST, ids=lambda program: program.folder)
 def test_an_honest_program_is_seen_to_do_nothing_outside_the_box(
-    program, isolation, tmp_path
+    program, isolation, tmp_path, copies
 ) -> None:
     if os.geteuid() != 0 or isolation is not IsolationLevel.STRONG:
         pytest.skip("outside the box it needs root, and control groups that hold it")
 
-    seen = outside(program, limits_for(program), tmp_path)
+    limits = replace(limits_for(program), cpu_s=LIMITS.cpu_s)
+
+    seen = outside(program, limits, tmp_path, copies)
 
     assert "CALLER: finished" in seen
     assert not re.search("GOT|takes more|longer log|took|arrived|left|changed|closed", seen), seen

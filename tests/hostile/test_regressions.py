@@ -8,7 +8,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import proc_stats
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.outcome import Verdict
-from tests.hostile.conftest import LAYOUT, LIMITS
+from tests.hostile.conftest import LAYOUT, LONG_WAITS
 from tests.hostile.corpus import case
 
 pytestmark = pytest.mark.host
@@ -43,8 +43,8 @@ def test_isolate_shared_dev_shm_two_boxes_at_once_see_nothing_of_each_other(
     source = case("regression_isolate_shared_dev_shm").source
 
     with (
-        Box(limits=LIMITS, isolation=isolation) as one,
-        Box(limits=LIMITS, isolation=isolation) as other,
+        Box(limits=LONG_WAITS, isolation=isolation) as one,
+        Box(limits=LONG_WAITS, isolation=isolation) as other,
     ):
         for box in (one, other):
             box.load(source, "a.py", {}, LAYOUT)
@@ -58,7 +58,7 @@ def test_isolate_shared_dev_shm_two_boxes_at_once_see_nothing_of_each_other(
 def test_bubblewrap_as_root_keeping_uid_0_a_program_is_nobody_on_the_host(run, isolation) -> None:
     assert held(run("regression_bubblewrap_root_keeps_uid_0"))
 
-    with Box(limits=LIMITS, isolation=isolation) as box:
+    with Box(limits=LONG_WAITS, isolation=isolation) as box:
         box.wait_ready()
         uids = {proc_stats.uid_of(pid) for pid in box.processes()}
     assert 0 not in uids or os.geteuid() != 0

@@ -1,15 +1,18 @@
-"""Calls a program outside the box: as root, with no filter and no limit, on a copy of the machine.
+"""Calls programs outside the box: as root, with no filter and no limit, on copies of the machine.
 
-What it does stays in the namespaces, whose init this is, and in the control group that it was
-started in. The root is an overlay: what is written there is gone afterwards. Beside the program
-there are, for attacks to find: services on ports, a process of somebody else, a terminal, a secret.
+What one does stays in its namespaces, whose init is a fork of this, and in its control group. The
+root is an overlay: what is written there is gone afterwards. Beside the program there are, for
+attacks to find: services on ports, a process of somebody else, a terminal, a secret.
 
-Arguments: a folder for the overlay, a folder that the program finds as /attack, its command.
+Standard input is a socket. A message is a program: a descriptor to print to, and as JSON the files
+by which a process joins its control groups, a folder for the overlay, a folder that it finds as
+/attack, its command.
 """
 
 import contextlib
 import ctypes
 import fcntl
+import json
 import os
 import resource
 import select
@@ -26,6 +29,8 @@ from pathlib import Path
 LIBC = ctypes.CDLL(None, use_errno=True)
 MS_BIND, MS_REC, MS_PRIVATE, MNT_DETACH = 0x1000, 0x4000, 1 << 18, 2
 PIVOT_ROOT = 155  # x86_64
+NAMESPACES = 0x6C020000  # CLONE_NEWNS, NEWUTS, NEWIPC, NEWPID, NEWNET
+PR_SET_PDEATHSIG = 1
 DEVICES = ("null", "zero", "full", "random", "urandom")
 PORTS = (80, 5432, 8000)
 LIBRARY = "/usr/lib/x86_64-linux-gnu/libm.so.6"
@@ -179,14 +184,47 @@ def watch(
 
 
 def main() -> None:
-    folder, attack, *command = sys.argv[1:]
+    """Let a fork make each machine: to start an interpreter with these modules takes longer."""
+    requests = socket.socket(fileno=0)
+    while True:
+        message, descriptors, *_ = socket.recv_fds(requests, 1 << 16, 1)
+        if not message:
+            return
+        if os.fork() == 0:
+            return enter_namespaces(descriptors[0], *json.loads(message))
+        os.close(descriptors[0])
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+
+
+def enter_namespaces(output: int, groups: list[str], *machine: str) -> None:
+    """Join the control groups, and let a fork be the init of new namespaces."""
+    for number in (1, 2):
+        os.dup2(output, number)
+    os.close(output)
+    os.dup2(os.open("/dev/null", os.O_RDONLY), 0)
+    for file in groups:
+        Path(file).write_text("0")
+    if LIBC.unshare(NAMESPACES) != 0:
+        raise OSError(ctypes.get_errno(), "unshare")
+    child = os.fork()
+    if child:
+        os.waitpid(child, 0)
+    else:
+        LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        be_machine(*machine)
+
+
+def be_machine(folder: str, attack: str, *command: str) -> None:
+    """Show a program what it is to find, call it, and report what is seen of it."""
     enter_copy(Path(folder), Path(attack))
     listening = {service.fileno(): service for service in services()}
     victim = os.fork()
     if victim == 0:
         signal.pause()
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    parent = parent_of_caller(command, theirs.fileno(), terminal())
+    parent = parent_of_caller([*command], theirs.fileno(), terminal())
     theirs.close()
     watch(parent, victim, ours, listening)
     with contextlib.suppress(ChildProcessError):
