@@ -20,7 +20,7 @@ from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
 from tests.cast import Backend
-from tests.services import compiled_once, postgres, s3, tables, valkey
+from tests.services import compiled_once, postgres, s3, scratch, tables, valkey
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -35,6 +35,7 @@ hypothesis_settings.register_profile(
 )
 hypothesis_settings.load_profile("patient")
 compiled_once.share()
+scratch.use_memory()
 # Hashing a password is dear on purpose; only the test of that hashes as the service does.
 HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, PasswordHasher(1, 8, 1)
 # A full collection looks at 800,000 objects, for a second: it took a third of some files' time.

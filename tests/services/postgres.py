@@ -14,12 +14,8 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from shutil import disk_usage
 
 import psycopg
-
-SHARED_MEMORY = "/dev/shm"
-ROOM_MIN = 2**30  # [bytes]
 
 
 def _as_another_user() -> list[str]:
@@ -90,7 +86,7 @@ class Server:
 @contextmanager
 def server(*, durable: bool = False) -> Iterator[Server]:
     """Yield a new server whose superuser is `postgres`; a durable one has `fsync` on."""
-    with tempfile.TemporaryDirectory(prefix="pg", dir=None if durable else _memory()) as folder:
+    with tempfile.TemporaryDirectory(prefix="pg") as folder:
         made = Server(folder, durable=durable)
         made.start()
         try:
@@ -113,12 +109,6 @@ def _sql(folder: str, statement: str) -> None:
     url = f"postgresql://postgres@/postgres?host={folder}"
     with closing(psycopg.connect(url, autocommit=True)) as connection:
         connection.execute(statement.encode())
-
-
-def _memory() -> str | None:
-    """Return a folder in memory if it has room: on a disk a database takes ten times as long."""
-    has_room = os.access(SHARED_MEMORY, os.W_OK) and disk_usage(SHARED_MEMORY).free > ROOM_MIN
-    return SHARED_MEMORY if has_room else None
 
 
 def _wait_until_ready(programs: Path, folder: str) -> None:
