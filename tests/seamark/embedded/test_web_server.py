@@ -11,9 +11,10 @@ import pytest
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.accounts import accounts
 from seamark.server.runs.data.files import RunFiles
+from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend
-from tests.services import web
+from tests.services import tables, web
 from tests.services.asgi import answer_of
 from tests.services.web import WebServer
 from tests.worker.service.test_side_processes import eventually
@@ -27,8 +28,18 @@ HEAD = b"POST /api/v1/runs HTTP/1.1\r\nHost: localhost\r\nContent-Type: applicat
 pytestmark = pytest.mark.slow
 
 
-def test_slow_clients_and_a_large_body_keep_nobody_waiting(backend: Backend) -> None:
-    with web.serving(backend.settings) as server, ExitStack() as stack:
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[WebServer]:
+    """A server without users and runs."""
+    values = {"data": tmp_path_factory.mktemp("web"), "broker_url": _valkey}
+    settings = Settings.model_validate(values | {"secret_key": "only-for-tests"})
+    tables.create(settings)
+    with web.serving(settings) as serving:
+        yield serving
+
+
+def test_slow_clients_and_a_large_body_keep_nobody_waiting(server: WebServer) -> None:
+    with ExitStack() as stack:
         for start in (HEAD, HEAD + b"Content-Length: 1000\r\n\r\n{"):
             stack.enter_context(web.slow_connections(server, SLOW, start))
         large = stack.enter_context(closing(server.connect()))
@@ -106,11 +117,10 @@ def test_a_restart_ends_streams_cleanly_and_breaks_no_page(backend: Backend) -> 
     assert set(pages) == {200}
 
 
-def test_no_web_process_outlives_a_server_that_is_killed(backend: Backend) -> None:
-    with web.serving(backend.settings) as server:
-        started = tree(server.process.pid)
-        server.process.kill()
-        server.process.wait()
+def test_no_web_process_outlives_a_server_that_is_killed(server: WebServer) -> None:  # the last
+    started = tree(server.process.pid)
+    server.process.kill()
+    server.process.wait()
 
-        assert len(started) > 1
-        assert eventually(lambda: not any(map(parent_of, started)))
+    assert len(started) > 1
+    assert eventually(lambda: not any(map(parent_of, started)))
