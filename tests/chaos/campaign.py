@@ -39,7 +39,6 @@ class Controller:
 """
 UPLOADS = 4  # one of so many runs is of an uploaded program
 POLL_S = 0.25
-VISIT_S = 0.5
 COMMAND_MAX = 120  # [characters] to print
 # A process that had just been started sees that its parent has gone when its modules are loaded.
 ORPHANS_S = 40.0
@@ -151,7 +150,7 @@ class Campaign:
     def _visit(self) -> None:
         """Read pages, as a proxy in front of both web servers would: from one or the other."""
         with httpx.Client(timeout=30.0) as client:
-            while not self._over.wait(VISIT_S):
+            while not self._over.wait(POLL_S):
                 answers = [self._status(client, port) for port in self._installation.ports]
                 self.findings.pages_broken += min(answers) >= 500 and 503 not in answers
 
