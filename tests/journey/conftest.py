@@ -61,6 +61,11 @@ def _wait_until_ready(process: "subprocess.Popen[bytes]", url: str, log: Path) -
             process.wait(0.2)  # returns at once when the service ends
 
 
+def _cancel_baselines(url: str) -> None:
+    with closing(Database(url)) as database:
+        cancel_baselines(database)
+
+
 @contextlib.contextmanager
 def running(**settings: str) -> Iterator[Service]:
     """Run `seamark up` on a free port."""
@@ -92,8 +97,7 @@ def running(**settings: str) -> Iterator[Service]:
 def service() -> Iterator[Service]:
     """The service with its embedded defaults: SQLite and its own broker."""
     with running() as embedded:
-        with closing(Database(f"sqlite:///{embedded.data / 'seamark.db'}")) as database:
-            cancel_baselines(database)
+        _cancel_baselines(f"sqlite:///{embedded.data / 'seamark.db'}")
         yield embedded
 
 
@@ -102,6 +106,7 @@ def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """The same service on PostgreSQL and a broker over TCP, by settings alone."""
     variables = {"SEAMARK_DATABASE_URL": postgres_url, "SEAMARK_BROKER_URL": redis_tcp_url}
     with running(**variables) as started:
+        _cancel_baselines(postgres_url)
         yield started
 
 
