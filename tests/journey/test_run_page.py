@@ -23,6 +23,18 @@ _PIXELS = """(image) => {
   canvas.getContext("2d").drawImage(image, 0, 0);
   return canvas.toDataURL();
 }"""
+# Whether the page comes to rest: for so long, none of its scripts asks for a frame.
+_RESTS = """() => new Promise((done) => {
+  const ask = window.requestAnimationFrame;
+  const rested = () => setTimeout(() => done(true), 700);
+  let timer = rested();
+  window.requestAnimationFrame = (draw) => {
+    clearTimeout(timer);
+    timer = rested();
+    return ask(draw);
+  };
+  setTimeout(() => done(false), 10_000);
+})"""
 
 
 def _start(
@@ -72,6 +84,7 @@ def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor
     expect(page.locator("[data-clock]")).to_contain_text(re.compile(r"^[2-9]\.\d\d s"))
     page.get_by_role("button", name="Pause").click()
 
+    assert page.evaluate(_RESTS)
     assert early == again
     assert early != late
     assert (visitor.errors, visitor.violations()) == ([], [])

@@ -30,6 +30,8 @@ export class Player {
     /** @type {Row | null} at the playhead */
     this.row = null;
     this.cameraKey = "";
+    this.started = false;
+    this.frame = 0; // that is asked for
     /** @type {number | undefined} when the playhead was last moved [ms] */
     this.ticked = undefined;
     this.memory = new Memory(`player-${data.id}-${root.dataset.player}`);
@@ -83,15 +85,22 @@ export class Player {
 
   async start() {
     await this.charts.load();
-    this.tick(performance.now());
+    this.started = true;
+    this.run();
+  }
+
+  // Moves the playhead with each frame while it plays: a page at rest asks for none.
+  run() {
+    if (!this.started || this.frame || !this.playhead.playing) return;
+    this.frame = requestAnimationFrame((now) => this.tick(now));
   }
 
   /** @param {number} now */
   tick(now) {
-    const passed = Math.min((now - (this.ticked ?? now)) / 1000, 0.25); // a hidden tab does not leap
-    this.ticked = now;
-    this.playhead.advance(passed);
-    requestAnimationFrame((next) => this.tick(next));
+    this.playhead.advance(Math.min((now - (this.ticked ?? now)) / 1000, 0.25)); // a hidden tab does not leap
+    this.ticked = this.playhead.playing ? now : undefined;
+    this.frame = 0;
+    this.run();
   }
 
   /** @param {"time" | "mode"} what */
@@ -102,6 +111,7 @@ export class Player {
     if (what === "mode") {
       this.charts.setTrial(this.playhead.trial);
       this.bar.show(this.playhead, this.row);
+      this.run();
     }
     this.show();
   }
