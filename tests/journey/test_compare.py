@@ -29,8 +29,7 @@ def run_ids(chromium: Browser, service: Service) -> list[int]:
         run = {"benchmark": "currents-v1", "controller": controller, "config": config, "seed": 3}
         runs.append(request.post(f"{api}/runs", data=run, headers=headers).json()["id"])
     for run_id in runs:
-        visitor.open(f"/runs/{run_id}")
-        visitor.wait_for("succeeded")
+        visitor.wait_elsewhere(run_id)
         assert request.post(f"{api}/runs/{run_id}/publish", headers=headers).ok
     context.close()
     return runs

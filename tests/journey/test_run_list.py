@@ -57,9 +57,7 @@ def test_runs_are_found_published_withdrawn_and_deleted_by_keyboard_alone(phone:
     page, keyboard = phone.page, phone.page.keyboard
     phone.sign_up("bulk")
     for title in ("keep this", "drop this", "drop that"):
-        run = phone.submit(RUN | {"title": title})
-        phone.open(f"/runs/{run}")
-        phone.wait_for("succeeded")
+        phone.wait_elsewhere(phone.submit(RUN | {"title": title}))
     phone.open("/runs/")
     expect(page.locator("svg.sparkline")).to_have_count(3)
     phone.tab_to(page.get_by_role("searchbox", name="Search"), most=40)

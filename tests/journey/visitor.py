@@ -1,6 +1,7 @@
 """A visitor of the pages in a real browser."""
 
 import re
+import time
 from typing import Any
 
 from playwright.sync_api import FilePayload, Locator, Page, expect
@@ -98,6 +99,16 @@ class Visitor:
     def wait_for(self, state: str, *, timeout_ms: float = RUN_MS) -> None:
         badge = self.page.locator("[data-state-badge] .badge")
         expect(badge).to_have_text(re.compile(state), timeout=timeout_ms)
+
+    def wait_elsewhere(self, run_id: int, *, timeout_ms: float = RUN_MS) -> None:
+        """Wait for the success of a run without its page, which takes a browser's time to draw."""
+        deadline = time.monotonic() + timeout_ms / 1000
+        state = "queued"
+        while state in ("queued", "running"):
+            assert time.monotonic() < deadline
+            self.page.wait_for_timeout(500)
+            state = self.page.request.get(f"{self.url}/api/v1/runs/{run_id}").json()["state"]
+        assert state == "succeeded"
 
     def violations(self) -> list[str]:
         found: list[str] = self.page.evaluate("window.violations")
