@@ -20,7 +20,7 @@ import time
 
 class Controller:
     def __init__(self, config):
-        while time.process_time() < 0.3:
+        while time.process_time() < 0.15:
             pass
 
     def step(self, observation):

@@ -84,7 +84,7 @@ def our_objects(kept_in: Path = KEPT) -> dict[str, Path]:
     for source in (name for name in OURS if name.endswith(".c")):
         name = f"{source.removesuffix('.c')}.o"
         objects[name] = kept_in / f"{stamp}-{name}"
-        if objects[name].exists():
+        if os.access(objects[name], os.R_OK):
             continue
         partial = kept_in / f"{stamp}-{os.getpid()}-{name}"  # several processes may start at once
         command = [*COMPILE_OURS, "-c", source, "-o", str(partial)]
