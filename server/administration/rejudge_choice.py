@@ -94,28 +94,28 @@ def _period(choice: RunChoice) -> list[ColumnElement[bool]]:
 
 def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:
     with_program = or_(seen.program_sha256.is_(None), seen.data_deleted_at.is_(None))
-    found = [
+    conditions = [
         # Nothing computes these.
         *(seen.kind != RunKind.LOG, seen.controller != ROSBRIDGE),
         *(seen.rejudges.is_(None), seen.deleted_at.is_(None), seen.started_at.is_not(None)),
         *(seen.state.in_((RunState.SUCCEEDED, RunState.FAILED)), with_program),
     ]
     if choice.kind:
-        found.append(seen.kind == RunKind(choice.kind))
+        conditions.append(seen.kind == RunKind(choice.kind))
     if choice.language == BUILT_IN:
-        found.append(seen.language.is_(None))
+        conditions.append(seen.language.is_(None))
     elif choice.language:
-        found.append(seen.language == choice.language)
+        conditions.append(seen.language == choice.language)
     if choice.worker:
         its_slots = seen.worker.startswith(f"{choice.worker}/", autoescape=True)
-        found.append(or_(seen.worker == choice.worker, its_slots))
+        conditions.append(or_(seen.worker == choice.worker, its_slots))
     manifest = select(Result.manifest).where(Result.run_id == seen.id).scalar_subquery()
     if choice.version:
-        found.append(manifest["versions"]["seamark"].as_string() == choice.version)
+        conditions.append(manifest["versions"]["seamark"].as_string() == choice.version)
     if choice.other_code:
         code = manifest["code_sha256"].as_string()
-        found.append(or_(code.is_(None), code != code_sha256()))
-    return found
+        conditions.append(or_(code.is_(None), code != code_sha256()))
+    return conditions
 
 
 def from_dict(stored: Mapping[str, Any]) -> RunChoice:

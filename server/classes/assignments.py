@@ -157,16 +157,16 @@ def remove(session: Session, assignment_id: int) -> None:
 
 def open_for(session: Session, assignment_id: int, user_id: int | None) -> AssignmentView:
     """Return an assignment that this account may submit runs for now; raises ClassRefused."""
-    found = find(session, assignment_id)
-    if found is None or not classrooms.has_member(session, found.class_id, user_id):
+    assignment = find(session, assignment_id)
+    if assignment is None or not classrooms.has_member(session, assignment.class_id, user_id):
         raise ClassRefused("You are not in the class of this assignment.", field="assignment")
-    if found.archived:
-        raise ClassRefused(f"The class {found.class_name} is archived.", field="assignment")
-    if found.closed:
+    if assignment.archived:
+        raise ClassRefused(f"The class {assignment.class_name} is archived.", field="assignment")
+    if assignment.closed:
         raise ClassRefused(
-            f"The deadline of the assignment “{found.title}” has passed.", field="assignment"
+            f"The deadline of the assignment “{assignment.title}” has passed.", field="assignment"
         )
-    return found
+    return assignment
 
 
 def enter(session: Session, assignment_id: int, user_id: int, run_id: int) -> None:

@@ -101,20 +101,20 @@ def join(session: Session, user_id: int, code: str) -> int:
     ClassRefused
         There is no such class, it is archived or full, or it is the account's own.
     """
-    found = opened_by(session, code)
-    if found is None:
+    classroom = opened_by(session, code)
+    if classroom is None:
         raise ClassRefused(UNKNOWN_CODE)
-    if found.teacher_id == user_id:
+    if classroom.teacher_id == user_id:
         raise ClassRefused("This is your own class.")
-    if has_member(session, found.id, user_id):
-        return found.id
-    if found.pupils >= PUPILS_MAX:
+    if has_member(session, classroom.id, user_id):
+        return classroom.id
+    if classroom.pupils >= PUPILS_MAX:
         raise ClassRefused(f"This class already has {PUPILS_MAX} students.")
     joined = select(func.count()).where(Membership.user_id == user_id)
     if (session.scalar(joined) or 0) >= JOINED_MAX:
         raise ClassRefused(f"You are in {JOINED_MAX} classes. Leave one first.")
-    session.add(Membership(class_id=found.id, user_id=user_id, joined_at=time.time()))
-    return found.id
+    session.add(Membership(class_id=classroom.id, user_id=user_id, joined_at=time.time()))
+    return classroom.id
 
 
 def leave(session: Session, class_id: int, user_id: int) -> bool:

@@ -139,8 +139,8 @@ def _best_runs(
         .subquery()
     )
     first = select(scored.c.run_id).where(scored.c.number == 1)
-    found = _runs(session, _with_result().where(AssignedRun.run_id.in_(first)))
-    return {run.user_id: run for run in found}
+    runs = _runs(session, _with_result().where(AssignedRun.run_id.in_(first)))
+    return {run.user_id: run for run in runs}
 
 
 def _with_result() -> Select[Run, Result | None]:

@@ -58,12 +58,12 @@ def propose(session: Session, user_id: int, address: str) -> None:
         It is no address, or it has got too many e-mails within the last hour.
     """
     address = checked(address)
-    found = session.get(MailAddress, user_id)
-    if found is None:
-        found = MailAddress(user_id=user_id)
-        session.add(found)
-    found.pending, found.pending_hash = address, None
-    found.pending_until = time.time() + HOURS * 3600.0
+    row = session.get(MailAddress, user_id)
+    if row is None:
+        row = MailAddress(user_id=user_id)
+        session.add(row)
+    row.pending, row.pending_hash = address, None
+    row.pending_until = time.time() + HOURS * 3600.0
     if not outbox.add(session, MailKind.CONFIRMATION, outbox.hashed(address), user_id=user_id):
         raise MailRejected(
             "Too many e-mails are waiting or have been sent to this address. Try again in an hour."
@@ -156,6 +156,6 @@ def request_reset(session: Session, address: str) -> None:
     outbox.add(session, MailKind.RESET, outbox.hashed(checked(address)))
 
 
-def _pending_of(found: MailAddress) -> str | None:
-    is_open = found.pending_until is not None and found.pending_until > time.time()
-    return found.pending if is_open else None
+def _pending_of(row: MailAddress) -> str | None:
+    is_open = row.pending_until is not None and row.pending_until > time.time()
+    return row.pending if is_open else None

@@ -81,9 +81,9 @@ def claim(session: Session) -> ClaimedMail | None:
         OutgoingMail.id == mail.id, OutgoingMail.tries == mail.tries, *due
     )
     claimed = mine.values(tries=OutgoingMail.tries + 1, next_try_at=time.time() + pause_s)
-    found = (mail.id, MailKind(mail.kind), mail.user_id, mail.address_hash, mail.created_at)
+    columns = (mail.id, MailKind(mail.kind), mail.user_id, mail.address_hash, mail.created_at)
     tries = session.scalar(claimed.returning(OutgoingMail.tries))
-    return None if tries is None else ClaimedMail(*found, tries)
+    return None if tries is None else ClaimedMail(*columns, tries)
 
 
 def cancel(session: Session, user_id: int) -> None:

@@ -87,10 +87,10 @@ def take_offer(redis: "Redis", wait_s: float) -> str | None:
     """Take the oldest session whose program is still connected; None without one. RedisError."""
     until = time.monotonic() + wait_s
     while (left_s := until - time.monotonic()) > 0.0:
-        found = cast("tuple[bytes, bytes] | None", redis.blpop([OFFERS], timeout=max(left_s, 0.01)))
-        if found is None:
+        offer = cast("tuple[bytes, bytes] | None", redis.blpop([OFFERS], timeout=max(left_s, 0.01)))
+        if offer is None:
             return None
-        session = found[1].decode()
+        session = offer[1].decode()
         if is_present(redis, session):
             return session
     return None

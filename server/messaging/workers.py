@@ -248,13 +248,13 @@ class Environment:
 def environments(session: Session) -> list[Environment]:
     """Return what programs find now, for each language that a worker can run."""
     alive = list(session.scalars(select(Worker).where(_CLAIMS).limit(LISTED_MAX)))
-    found = []
+    merged = []
     for language in LANGUAGES:
         running = [worker for worker in alive if language in worker.languages]
         if running:
             reports = [worker.contents.get(language, []) for worker in running]
-            found.append(Environment(language, len(running), _merged(reports)))
-    return found
+            merged.append(Environment(language, len(running), _merged(reports)))
+    return merged
 
 
 def _merged(reports: Iterable[Sequence[Mapping[str, str]]]) -> list[Found]:

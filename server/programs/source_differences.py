@@ -54,24 +54,24 @@ def differences(
     """
     if len(first) == len(second) == 1:
         first = dict(zip(second, first.values(), strict=True))
-    found, lines_left, shown_left = [], LINES_MAX, SHOWN_MAX
+    files, lines_left, shown_left = [], LINES_MAX, SHOWN_MAX
     for path in sorted({*first, *second}):
         before, after = first.get(path), second.get(path)
         if before == after:
             continue
         if note := _not_shown(before, after):
-            found.append(FileDifference(path=path, note=note))
+            files.append(FileDifference(path=path, note=note))
             continue
         texts = _Texts.of(_lines_of(before), _lines_of(after))
         if texts.length > lines_left or not shown_left:
-            found.append(FileDifference(path=path, note=_TOO_LONG))
+            files.append(FileDifference(path=path, note=_TOO_LONG))
             continue
         lines_left -= texts.length
         lines = tuple(_grouped(texts))
         note = "" if len(lines) <= shown_left else f"Only the first {shown_left} lines are shown."
-        found.append(FileDifference(path=path, lines=lines[:shown_left], note=note))
+        files.append(FileDifference(path=path, lines=lines[:shown_left], note=note))
         shown_left -= min(len(lines), shown_left)
-    return tuple(found)
+    return tuple(files)
 
 
 def files_of(name: str, content: bytes) -> dict[str, bytes]:

@@ -151,10 +151,10 @@ def _delete_unused_objects(
 def _renew_object(stored: Objects, sha256: str) -> bool:
     """Store an object again that would soon be old enough to be deleted; False if it is gone."""
     with _reaching():
-        found = stored.find(_key(sha256))
-        if found is None:
+        kept = stored.find(_key(sha256))
+        if kept is None:
             return False
-        if found.changed_at > time.time() - UNUSED_KEPT_S / 2:
+        if kept.changed_at > time.time() - UNUSED_KEPT_S / 2:
             return True
         content = stored.get(_key(sha256))
         if content is not None:

@@ -147,8 +147,8 @@ class Objects:
 
     def size(self, path: str) -> int | None:
         """Return the size of an object [B]; None if there is none."""
-        found = self.find(path)
-        return None if found is None else found.size
+        stored = self.find(path)
+        return None if stored is None else stored.size
 
     def find(self, path: str) -> Object | None:
         """Return what a listing would show of an object; None if there is none."""
@@ -162,18 +162,18 @@ class Objects:
     def list(self, folder: str) -> Sequence[Object]:
         """Return all objects of a folder and the folders below it, in order of their paths."""
         try:
-            found = [_object(one) for page in obstore.list(self._reader, folder) for one in page]
+            objects = [_object(one) for page in obstore.list(self._reader, folder) for one in page]
         except (BaseError, OSError) as error:
             raise _away(error) from error
-        return sorted(found, key=lambda one: one.path)
+        return sorted(objects, key=lambda one: one.path)
 
     def folders(self, folder: str) -> Sequence[str]:
         """Return the names of the folders in a folder."""
         try:
-            found = obstore.list_with_delimiter(self._reader, folder)
+            listing = obstore.list_with_delimiter(self._reader, folder)
         except (BaseError, OSError) as error:
             raise _away(error) from error
-        return [path.rpartition("/")[2] for path in found["common_prefixes"]]
+        return [path.rpartition("/")[2] for path in listing["common_prefixes"]]
 
     def delete(self, paths: Sequence[str]) -> None:
         """Delete objects; those that are gone already are no error."""

@@ -32,28 +32,28 @@ def invited_to() -> ClassView | None:
         code = request.values.get("class", "")
         with services().database.reading() as session:
             g.invited_to = classrooms.opened_by(session, code) if code else None
-    found: ClassView | None = g.invited_to
-    return found
+    classroom: ClassView | None = g.invited_to
+    return classroom
 
 
 def taught_class(class_id: int) -> ClassView:
     """Return a class that the viewer teaches."""
     access.require(Action.TEACH)
-    found = class_for(class_id)
-    _require_teacher(found.teacher_id)
-    return found
+    classroom = class_for(class_id)
+    _require_teacher(classroom.teacher_id)
+    return classroom
 
 
 def assignment_for(assignment_id: int) -> AssignmentView:
     """Return an assignment of a class that the viewer teaches or belongs to."""
     access.require(Action.VIEW_CLASSES)
     with services().database.reading() as session:
-        found = assignments.find(session, assignment_id)
-        if found is None or not _sees(session, found.class_id, found.teacher_id):
+        assignment = assignments.find(session, assignment_id)
+        if assignment is None or not _sees(session, assignment.class_id, assignment.teacher_id):
             raise Problem(
                 "not-found", f"There is no assignment {assignment_id}, or you are not in its class."
             )
-    return found
+    return assignment
 
 
 def assignment_of_run(run: RunView) -> AssignmentView | None:
@@ -73,9 +73,9 @@ def assignment_of_run(run: RunView) -> AssignmentView | None:
 def taught_assignment(assignment_id: int) -> AssignmentView:
     """Return an assignment of a class that the viewer teaches."""
     access.require(Action.TEACH)
-    found = assignment_for(assignment_id)
-    _require_teacher(found.teacher_id)
-    return found
+    assignment = assignment_for(assignment_id)
+    _require_teacher(assignment.teacher_id)
+    return assignment
 
 
 def is_teacher(of: ClassView | AssignmentView) -> bool:

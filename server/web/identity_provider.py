@@ -125,13 +125,13 @@ def keep(identity: Identity, following: str) -> None:
 
 def kept() -> tuple[Identity, str] | None:
     """Return the identity that `keep` has kept, and the path to go to; None if it is too old."""
-    found = session.get(_PENDING)
-    if not found or not 0.0 <= time.time() - found["at"] <= PENDING_S:
+    pending = session.get(_PENDING)
+    if not pending or not 0.0 <= time.time() - pending["at"] <= PENDING_S:
         return None
-    if found["issuer"] != services().settings.oidc_issuer:
+    if pending["issuer"] != services().settings.oidc_issuer:
         return None
     names = ("issuer", "subject", "label")
-    return Identity(**{name: found[name] for name in names}), found["next"]
+    return Identity(**{name: pending[name] for name in names}), pending["next"]
 
 
 def forget() -> None:

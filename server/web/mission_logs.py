@@ -37,7 +37,7 @@ def open_log(
     texts = {"title": title, "notes": notes}
     try:
         with staging.temporary_folder(held.settings) as folder:
-            found = held.logs.read(
+            result = held.logs.read(
                 cast("BinaryIO", file.stream),
                 file.filename,
                 mapping,
@@ -46,6 +46,6 @@ def open_log(
                 limit=held.settings.upload_max_bytes,
                 folder=folder,
             )
-            return mission_logs.store(held.database, held.settings, viewer, found, **texts)
+            return mission_logs.store(held.database, held.settings, viewer, result, **texts)
     except StorageFailed as error:
         raise StorageUnavailable(str(error)) from error

@@ -301,8 +301,8 @@ def _default_detail(status: int) -> str:
 def from_validation_error(error: ValidationError) -> Problem:
     """Return the problem that names each field rejected by pydantic."""
     errors = {}
-    found = error.errors(include_url=False, include_context=False, include_input=False)
-    for item in found[:_ERRORS_MAX]:
+    rejected = error.errors(include_url=False, include_context=False, include_input=False)
+    for item in rejected[:_ERRORS_MAX]:
         field = ".".join(str(part) for part in item["loc"]) or "body"
         errors[field] = item["msg"]
     details = "; ".join(f"{field}: {text}" for field, text in errors.items())

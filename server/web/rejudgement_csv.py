@@ -14,23 +14,27 @@ COLUMNS = (
 )
 
 
-def lines(found: Iterable[Difference]) -> Iterator[str]:
+def lines(differences: Iterable[Difference]) -> Iterator[str]:
     """Yield a header and a line for each run whose result differs."""
     yield csv_export.lines(COLUMNS, ())
-    yield csv_export.lines(COLUMNS, map(_row, found), header=False)
+    yield csv_export.lines(COLUMNS, map(_row, differences), header=False)
 
 
-def _row(found: Difference) -> dict[str, Any]:
-    row: dict[str, Any] = {"run": found.run_id, "user": found.user, "kind": found.kind.value}
+def _row(difference: Difference) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "run": difference.run_id,
+        "user": difference.user,
+        "kind": difference.kind.value,
+    }
     for name in _VALUES:
         row |= {
-            f"{name}_before": found.before.get(name),
-            f"{name}_after": found.after.get(name),
+            f"{name}_before": difference.before.get(name),
+            f"{name}_after": difference.after.get(name),
         }
-    rank = found.rank
+    rank = difference.rank
     row |= {
         "rank_before": None if rank is None else rank.before,
         "rank_after": None if rank is None else rank.after,
     }
-    first = "; ".join(found.metrics)
-    return row | {"metrics_changed": found.metrics_count, "first_metrics_changed": first}
+    first = "; ".join(difference.metrics)
+    return row | {"metrics_changed": difference.metrics_count, "first_metrics_changed": first}

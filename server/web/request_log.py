@@ -36,11 +36,11 @@ class Note:
 
 def id_of(environ: Environ) -> str:
     """Return the id of a request: that which it came with if it is valid, or a new one."""
-    found: str | None = environ.get(_ID)
-    if found is None:
+    request_id: str | None = environ.get(_ID)
+    if request_id is None:
         given = environ.get("HTTP_X_REQUEST_ID", "")
-        found = environ[_ID] = given if _VALID.fullmatch(given) else secrets.token_hex(8)
-    return found
+        request_id = environ[_ID] = given if _VALID.fullmatch(given) else secrets.token_hex(8)
+    return request_id
 
 
 def register(app: Flask) -> None:

@@ -90,13 +90,13 @@ def _database(held: Services) -> Iterable[Metric]:
             asked_at = time.perf_counter()
             session.scalar(select(1))
             ping_s = time.perf_counter() - asked_at
-            found = [*_runs(session), *_checks(session), *_workers(session)]
+            gauges = [*_runs(session), *_checks(session), *_workers(session)]
     except SQLAlchemyError:
         yield _up("database", value=0)
         return
     yield _up("database", value=1)
     yield Gauge("seamark_database_ping_seconds", "Round trip to the database", value=ping_s)
-    yield from found
+    yield from gauges
 
 
 def _up(part: str, *, value: int) -> Metric:

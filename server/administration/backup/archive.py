@@ -157,11 +157,11 @@ def verify(archive: Path, on_bytes: OnBytes) -> None:
         raise ArchiveRejected(f"{archive} is not a complete backup: its end is missing")
 
 
-def _compare(archive: Path, found: IO[bytes], listed: Content) -> None:
+def _compare(archive: Path, member: IO[bytes], listed: Content) -> None:
     """Compare the sums that were computed with those that the archive lists."""
-    found.seek(0)
+    member.seek(0)
     stated = listed.lines()
-    for line in found:
+    for line in member:
         if next(stated, b"") != line:
             name = line.decode().partition("  ")[2].strip()
             raise ArchiveRejected(f"{archive} is damaged: the SHA-256 of {name} differs")

@@ -81,6 +81,6 @@ def _described(connection: Connection, name: str) -> TableClause:
     return table(name, *(column(each["name"], _type(each["type"])) for each in columns))
 
 
-def _type(found: Any) -> Any:
+def _type(column_type: Any) -> Any:
     """Return a type for which None is NULL, also where the database has JSON."""
-    return JSON(none_as_null=True) if isinstance(found, JSON) else found
+    return JSON(none_as_null=True) if isinstance(column_type, JSON) else column_type

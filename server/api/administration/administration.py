@@ -84,12 +84,12 @@ def change_worker(path: WorkerPath, body: WorkerChange) -> dict[str, Any]:
     with services().database.writing() as session:
         change = worker_list.drain if body.drained else worker_list.resume
         change(session, access.actor(), path.worker)
-        found = [each for each in worker_list.listed(session) if each.status.name == path.worker]
-    if not found:
+        workers = [each for each in worker_list.listed(session) if each.status.name == path.worker]
+    if not workers:
         raise Problem("not-found", f"There is no worker {path.worker}.")
     if not body.drained:
         services().wake_worker()
-    return _worker(found[0])
+    return _worker(workers[0])
 
 
 @api.get("/queue", responses={200: QueueResponse})
@@ -108,20 +108,20 @@ def show_storage() -> dict[str, Any]:
     """Return what takes how much room, and what retention would delete."""
     held = services()
     with held.database.reading() as session:
-        found = disk.state(session, held.settings)
+        state = disk.state(session, held.settings)
     owners = [
         asdict(owner.usage) | {"name": owner.name, "user_id": owner.user_id}
-        for owner in found.owners
+        for owner in state.owners
     ]
     return {
-        "measured_at": found.report.measured_at,
-        "total_bytes": found.total_bytes,
-        "free_bytes": found.free_bytes,
-        "areas": [asdict(usage) for usage in found.report.areas],
+        "measured_at": state.report.measured_at,
+        "total_bytes": state.total_bytes,
+        "free_bytes": state.free_bytes,
+        "areas": [asdict(usage) for usage in state.report.areas],
         "owners": owners,
-        "due": [asdict(usage) for usage in found.report.due],
-        "requested_at": found.requested_at,
-        "backup_at": None if found.backup is None else found.backup.at,
+        "due": [asdict(usage) for usage in state.report.due],
+        "requested_at": state.requested_at,
+        "backup_at": None if state.backup is None else state.backup.at,
     }
 
 
@@ -215,7 +215,7 @@ def _account(user: User) -> dict[str, Any]:
     return {name: getattr(user, name) for name in AccountResponse.model_fields}
 
 
-def _worker(found: ListedWorker) -> dict[str, Any]:
+def _worker(worker: ListedWorker) -> dict[str, Any]:
     names = [name for name in WorkerResponse.model_fields if name != "runs"]
-    shown = {name: getattr(found.status, name) for name in names}
-    return shown | {"runs": [run.id for run in found.runs]}
+    shown = {name: getattr(worker.status, name) for name in names}
+    return shown | {"runs": [run.id for run in worker.runs]}

@@ -128,11 +128,11 @@ def _view(session: Session, rejudgement_id: int) -> RejudgementView:
     return rejudgement
 
 
-def _answer(found: RejudgementView) -> dict[str, Any]:
+def _answer(rejudgement: RejudgementView) -> dict[str, Any]:
     progress = ("runs", "live", "same", "different", "failed", "part")
     row = [name for name in RejudgementResponse.model_fields if name not in progress]
-    shown = {name: getattr(found.row, name) for name in row}
-    return shown | {name: getattr(found.progress, name) for name in progress}
+    shown = {name: getattr(rejudgement.row, name) for name in row}
+    return shown | {name: getattr(rejudgement.progress, name) for name in progress}
 
 
 def _or_conflict(change: Callable[[], Answer]) -> Answer:

@@ -173,14 +173,14 @@ def create_assignment(path: ClassPath) -> Response:
     return answer
 
 
-def class_answer(found: ClassView) -> dict[str, Any]:
+def class_answer(view: ClassView) -> dict[str, Any]:
     """Return the JSON of a class."""
     same = ("id", "name", "teacher", "pupils", "shows_ranking", "created_at", "archived_at")
-    code = found.code if class_access.is_teacher(found) else None
+    code = view.code if class_access.is_teacher(view) else None
     link = None if code is None else f"{site_address()}{url_for('classes.invitation', code=code)}"
-    return {name: getattr(found, name) for name in same} | {"code": code, "join_url": link}
+    return {name: getattr(view, name) for name in same} | {"code": code, "join_url": link}
 
 
-def assignment_answer(found: AssignmentView) -> dict[str, Any]:
+def assignment_answer(view: AssignmentView) -> dict[str, Any]:
     """Return the JSON of an assignment."""
-    return {name: getattr(found, name) for name in AssignmentResponse.model_fields}
+    return {name: getattr(view, name) for name in AssignmentResponse.model_fields}

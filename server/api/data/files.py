@@ -100,10 +100,10 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
 def metrics(path: RunPath) -> Response:
     """Return the metrics; 404 until there are some."""
     view = access.run_for(path.run_id)
-    found = view.metrics or access.files_of(view).metrics()
-    if found is None:
+    document = view.metrics or access.files_of(view).metrics()
+    if document is None:
         raise Problem("not-found", f"Run {view.id} has no metrics yet: it is {view.state.value}.")
-    return jsonify(without_hidden_seeds(found, view))
+    return jsonify(without_hidden_seeds(document, view))
 
 
 @api.get("/runs/<int:run_id>/manifest.json", responses=answers_with("application/json", "object"))
@@ -114,10 +114,10 @@ def manifest(path: RunPath) -> Response:
     the first benchmark versions stay hidden, because all of their ranked runs have the same ones.
     """
     view = access.run_for(path.run_id)
-    found = view.manifest or access.files_of(view).manifest()
-    if found is None:
+    document = view.manifest or access.files_of(view).manifest()
+    if document is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
-    return jsonify(with_publication(without_hidden_seeds(found, view), view))
+    return jsonify(with_publication(without_hidden_seeds(document, view), view))
 
 
 def without_hidden_seeds(value: Any, view: RunView) -> Any:

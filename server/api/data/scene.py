@@ -32,8 +32,8 @@ api = APIBlueprint(
 def scene(path: RunPath, query: SceneQuery) -> Response:
     """Return vehicle, target, camera and water of a level: lengths in m, angles in rad."""
     view = _view(path, query)
-    found = scenes.describe(services().settings, view, trial=query.trial, level=query.level)
-    answer = jsonify(found)
+    description = scenes.describe(services().settings, view, trial=query.trial, level=query.level)
+    answer = jsonify(description)
     answer.add_etag()
     return caching.conditional(answer)
 

@@ -98,13 +98,13 @@ def _rows(files: RunFiles, between: tuple[int, int], columns: list[int], points:
     """Return every n-th row and the last one, at most `points`."""
     first, after = between
     step = max(math.ceil((after - first - 1) / max(points - 1, 1)), 1)
-    found: list[Rows] = []
+    blocks: list[Rows] = []
     size = BLOCK_ROWS // step * step or step
     for at in range(first, after, size):
-        found.append(files.rows(at, min(at + size, after))[::step])
+        blocks.append(files.rows(at, min(at + size, after))[::step])
     if (after - first - 1) % step:
-        found.append(files.rows(after - 1, after))
-    rows = np.concatenate(found) if found else files.rows(0, 0)
+        blocks.append(files.rows(after - 1, after))
+    rows = np.concatenate(blocks) if blocks else files.rows(0, 0)
     return rows[:, INDEX["t"]], rows[:, columns]
 
 

@@ -145,14 +145,14 @@ def _columns(text: str, runs: list[RunView]) -> list[str]:
     return names
 
 
-def _document(runs: list[RunView], found: SideBySide) -> dict[str, Any]:
+def _document(runs: list[RunView], comparison: SideBySide) -> dict[str, Any]:
     return {
         "runs": [run_answer(run, whole=False) for run in runs],
-        "note": found.note,
-        "settings": [asdict(row) for row in found.settings],
-        "scores": [asdict(each) for each in found.scores],
-        "metrics": [asdict(row) for row in found.metrics],
-        "levels": found.levels,
+        "note": comparison.note,
+        "settings": [asdict(row) for row in comparison.settings],
+        "scores": [asdict(each) for each in comparison.scores],
+        "metrics": [asdict(row) for row in comparison.metrics],
+        "levels": comparison.levels,
     }
 
 

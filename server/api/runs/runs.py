@@ -152,10 +152,10 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
             start=ListCursor(query.after, query.skip),
             limit=query.limit,
         )
-    found = [run_answer(view, whole=False) for view in page.runs]
+    answers = [run_answer(view, whole=False) for view in page.runs]
     if page.next is None:
-        return {"runs": found, "next": None, "next_skip": 0}
-    return {"runs": found, "next": page.next.after, "next_skip": page.next.skip}
+        return {"runs": answers, "next": None, "next_skip": 0}
+    return {"runs": answers, "next": page.next.after, "next_skip": page.next.skip}
 
 
 @api.get("/runs/<int:run_id>", responses={200: RunResponse, 304: None})
@@ -178,12 +178,12 @@ def list_recomputations(path: RunPath) -> dict[str, Any]:
     return {"recomputations": [_recomputation(each, view) for each in history]}
 
 
-def _recomputation(found: Recomputation, view: RunView) -> dict[str, Any]:
+def _recomputation(recomputation: Recomputation, view: RunView) -> dict[str, Any]:
     names = ("at", "reason", "outcome", "metrics_count")
-    shown = {name: getattr(found, name) for name in names}
-    if found.earlier is None:
+    shown = {name: getattr(recomputation, name) for name in names}
+    if recomputation.earlier is None:
         return shown | {"earlier": None}
-    earlier = {name: found.earlier.get(name) for name in EARLIER}
+    earlier = {name: recomputation.earlier.get(name) for name in EARLIER}
     return shown | {"earlier": without_hidden_seeds(earlier, view)}
 
 

@@ -61,7 +61,7 @@ def show() -> dict[str, Any]:
     return {"languages": [_language(one) for one in environments]}
 
 
-def _language(found: workers.Environment) -> dict[str, Any]:
+def _language(environment: workers.Environment) -> dict[str, Any]:
     components = [
         {
             "kind": component.kind,
@@ -70,13 +70,13 @@ def _language(found: workers.Environment) -> dict[str, Any]:
                 {"version": version, "workers": count}
                 for version, count in component.versions.items()
             ],
-            "everywhere": component.is_everywhere(found.workers),
+            "everywhere": component.is_everywhere(environment.workers),
         }
-        for component in found.components
+        for component in environment.components
     ]
     return {
-        "language": found.language,
-        "label": LANGUAGES[found.language].label,
-        "workers": found.workers,
+        "language": environment.language,
+        "label": LANGUAGES[environment.language].label,
+        "workers": environment.workers,
         "components": components,
     }

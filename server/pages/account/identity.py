@@ -89,10 +89,10 @@ def choose_name() -> ResponseReturnValue:
 @limiter.limit(sign_ups)
 def create_account() -> ResponseReturnValue:
     """Create an account for the identity that has just signed in, without a password."""
-    found = identity_provider.kept()
-    if found is None:
+    pending = identity_provider.kept()
+    if pending is None:
         return redirect(url_for("account.sign_in"), code=303)
-    (identity, following), mode = found, services().settings.oidc_sign_up
+    (identity, following), mode = pending, services().settings.oidc_sign_up
     if mode == "closed":
         return _name_form(identity), 403
     name = request.form.get("name", "").strip()

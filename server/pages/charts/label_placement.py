@@ -93,10 +93,10 @@ def place(points: Sequence[Point]) -> list[Label | None]:
     taken = [_mark(point) for point in points]
     placed: list[Label | None] = []
     for point in points:
-        found = _first_free(point, taken) if point.text else None
-        if found is not None:
-            taken.append(found.box)
-        placed.append(found)
+        label = _first_free(point, taken) if point.text else None
+        if label is not None:
+            taken.append(label.box)
+        placed.append(label)
     return placed
 
 

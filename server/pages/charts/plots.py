@@ -191,8 +191,8 @@ def _powers(low: float, high: float) -> list[float]:
     """Return 1, 2 and 5 times powers of ten between two values; fewer if there are many."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for factors in ((1.0, 2.0, 5.0), (1.0,)):
-        found = [factor * 10.0**k for k in decades for factor in factors]
-        found = [float(f"{value:.3g}") for value in found if low <= value <= high]
-        if len(found) <= TICKS + 1:
-            return found
-    return found[:: math.ceil(len(found) / TICKS)]
+        ticks = [factor * 10.0**k for k in decades for factor in factors]
+        ticks = [float(f"{value:.3g}") for value in ticks if low <= value <= high]
+        if len(ticks) <= TICKS + 1:
+            return ticks
+    return ticks[:: math.ceil(len(ticks) / TICKS)]

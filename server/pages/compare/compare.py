@@ -115,7 +115,7 @@ def _choice(run_id: int, title: str, score: float | None, *, state: str = "") ->
     return {"id": run_id, "title": title, "score": score, "state": state}
 
 
-def _page_data(runs: Sequence[RunView], found: SideBySide) -> Mapping[str, Any]:
+def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, Any]:
     return {
         "api": f"/api/v1/compare?runs={','.join(str(run.id) for run in runs)}",
         "runs": [
@@ -124,8 +124,8 @@ def _page_data(runs: Sequence[RunView], found: SideBySide) -> Mapping[str, Any]:
         ],
         "trial_s": max(_trial_s(run) for run in runs),
         "trials": max(run.trials for run in runs),
-        "levels": found.levels,
-        "level_s": _level_s(runs, found),
+        "levels": comparison.levels,
+        "level_s": _level_s(runs, comparison),
         "charts": _charts(runs),
         "columns_max": COLUMNS_MAX,
     }
@@ -147,15 +147,15 @@ def _trial_s(run: RunView) -> float:
     return benchmark.trial_duration_s(benchmark.restore(run.config))
 
 
-def _level_s(runs: Sequence[RunView], found: SideBySide) -> float:
+def _level_s(runs: Sequence[RunView], comparison: SideBySide) -> float:
     """Return how long a level takes [s] if all runs have the same ones in their order; else 0."""
     lengths = {_trial_s(run) for run in runs}
     in_order = all(
         registry.benchmark(run.benchmark).restore(run.config).levels_in_order() for run in runs
     )
     return (
-        lengths.pop() / len(found.levels)
-        if found.levels and in_order and len(lengths) == 1
+        lengths.pop() / len(comparison.levels)
+        if comparison.levels and in_order and len(lengths) == 1
         else 0.0
     )
 

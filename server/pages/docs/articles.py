@@ -53,8 +53,8 @@ def article(html: str) -> str:
     """Return a page with an anchor on each heading, after a list of its sections if it is long."""
     sections: dict[str, str] = {}
 
-    def anchored(found: re.Match[str]) -> str:
-        level, anchor, inside = found.groups()
+    def anchored(heading: re.Match[str]) -> str:
+        level, anchor, inside = heading.groups()
         words = _TAG.sub("", inside)
         anchor = anchor or anchor_of(unescape(words))
         if level == "2":

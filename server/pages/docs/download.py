@@ -15,9 +15,11 @@ def wheel(name: str) -> ResponseReturnValue:
     """Send a wheel; its name holds the version."""
     if name not in _WHEELS:
         abort(404)
-    found = _WHEELS[name].get(site_address())
-    answer = Response(found.content, mimetype="application/zip")
-    answer.headers["Content-Disposition"] = f'attachment; filename="{found.name}"'
-    answer.set_etag(found.sha256)
+    wheel_file = _WHEELS[name].get(site_address())
+    answer = Response(wheel_file.content, mimetype="application/zip")
+    answer.headers["Content-Disposition"] = f'attachment; filename="{wheel_file.name}"'
+    answer.set_etag(wheel_file.sha256)
     answer.cache_control.no_cache = True  # the same version may change while it is developed
-    return answer.make_conditional(request, accept_ranges=True, complete_length=len(found.content))
+    return answer.make_conditional(
+        request, accept_ranges=True, complete_length=len(wheel_file.content)
+    )

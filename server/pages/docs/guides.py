@@ -41,8 +41,8 @@ def titles() -> Mapping[str, str]:
 @lru_cache(maxsize=1)
 def attachments() -> frozenset[str]:
     """Return the paths below docs/ of all figures and text files for pages."""
-    found = (path for path in FOLDER.rglob("*") if path.suffix in ATTACHED)
-    return frozenset(path.relative_to(FOLDER).as_posix() for path in found)
+    paths = (path for path in FOLDER.rglob("*") if path.suffix in ATTACHED)
+    return frozenset(path.relative_to(FOLDER).as_posix() for path in paths)
 
 
 def attachment(name: str) -> tuple[bytes, str]:
@@ -76,13 +76,13 @@ def section(name: str, title: str) -> tuple[str, Mapping[str, str]]:
     inside = re.split(r"^## ", after, maxsplit=1, flags=re.MULTILINE)[0]
     shown = str(_markdown().render(re.sub(r"^##(#+ )", r"#\1", inside, flags=re.MULTILINE)))
     page = ADDRESS + name
-    linked = _LINK.sub(lambda found: f'{found[1]}="{urljoin(page, found[2])}"', shown)
+    linked = _LINK.sub(lambda link: f'{link[1]}="{urljoin(page, link[2])}"', shown)
     return linked, dict(_SECTION_HEADING.findall(shown))
 
 
 def _linked(name: str, shown: str) -> str:
     """Make the links to other pages absolute, and leave those within the page."""
-    return _RELATIVE.sub(lambda found: f'{found[1]}="{urljoin(ADDRESS + name, found[2])}"', shown)
+    return _RELATIVE.sub(lambda link: f'{link[1]}="{urljoin(ADDRESS + name, link[2])}"', shown)
 
 
 @lru_cache(maxsize=32)

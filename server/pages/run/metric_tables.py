@@ -63,8 +63,8 @@ def tables(
         return []
     restored = benchmark.restore(config)
     level, names = restored.level_metric(), restored.level_names()
-    found = (_table(table, levels, level, config) for table in benchmark.tables)
-    first, *others = (replace(table, levels=names or table.levels) for table in found)
+    described = (_table(table, levels, level, config) for table in benchmark.tables)
+    first, *others = (replace(table, levels=names or table.levels) for table in described)
     return [_with_grid(first, levels, level.label), *others]
 
 
@@ -93,8 +93,8 @@ def level_held_meaning(benchmark: Benchmark) -> str:
 
 def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Return the metrics of each trial; empty for a run with a single trial."""
-    found: list[Mapping[str, Any]] = metrics.get("trials") or []
-    return found if len(found) > 1 else []
+    of_trials: list[Mapping[str, Any]] = metrics.get("trials") or []
+    return of_trials if len(of_trials) > 1 else []
 
 
 def settings(
@@ -115,12 +115,12 @@ def settings(
 def program_parameters(run: RunView) -> list[SettingValue]:
     """Return the parameters of a run's own program, with what it declares of them."""
     declared = {one["name"]: Parameter.from_json(one) for one in run.program_parameters or ()}
-    found = []
+    values = []
     for name, value in parameters.split(run.config)[1].items():
         one, text = declared.get(name), text_of(value)
         changed = one is not None and text != text_of(one.default)
-        found.append(SettingValue(name, text, "" if one is None else one.unit, changed))
-    return found
+        values.append(SettingValue(name, text, "" if one is None else one.unit, changed))
+    return values
 
 
 def _meaning(metric: Metric) -> str:

@@ -69,8 +69,8 @@ def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgra
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
     """Return the program of a hidden field if it belongs to this user and is still stored."""
     try:
-        found = _signer().loads(text, max_age=int(VALID_S))
-        sha256, name, language, size, declared, role, user_id = found
+        signed = _signer().loads(text, max_age=int(VALID_S))
+        sha256, name, language, size, declared, role, user_id = signed
     except (BadData, ValueError):
         return None
     if (role, user_id) != (benchmark.role, g.viewer.user_id):

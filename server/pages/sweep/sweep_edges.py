@@ -22,12 +22,12 @@ def warnings(sweep: SweepView, entries: Mapping[str, Mapping[str, Any]]) -> list
     if best is None:
         return []
     pairs = zip(sweep.axes, best.values, strict=True)
-    found = (
+    sentences = (
         _warning(axis, value, entries.get(axis.name, {}))
         for axis, value in pairs
         if _matters(sweep, axis)
     )
-    return [sentence for sentence in found if sentence]
+    return [sentence for sentence in sentences if sentence]
 
 
 def _matters(sweep: SweepView, axis: Axis) -> bool:
@@ -52,5 +52,5 @@ def _warning(axis: Axis, value: Value, entry: Mapping[str, Any]) -> str:
 
 
 def _end(entry: Mapping[str, Any], name: str, none: float) -> float:
-    found = entry.get(f"m{name}", entry.get(f"exclusiveM{name}", none))
-    return float(found)
+    limit = entry.get(f"m{name}", entry.get(f"exclusiveM{name}", none))
+    return float(limit)

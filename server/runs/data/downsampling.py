@@ -27,11 +27,11 @@ def extremes_of_rows(
     """
     first, after = between
     blocks = max(math.ceil((after - first) / BLOCK_ROWS), 1)
-    found = []
+    parts = []
     for start, stop in pairwise(np.linspace(first, after, blocks + 1).astype(int).tolist()):
         rows = files.rows(start, stop)
-        found.append(downsample(rows[:, INDEX["t"]], rows[:, columns], max(points // blocks, 2)))
-    return np.concatenate([t for t, _ in found]), np.concatenate([values for _, values in found])
+        parts.append(downsample(rows[:, INDEX["t"]], rows[:, columns], max(points // blocks, 2)))
+    return np.concatenate([t for t, _ in parts]), np.concatenate([values for _, values in parts])
 
 
 def downsample(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:

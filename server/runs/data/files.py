@@ -188,8 +188,8 @@ class RunFiles:
         if not indices or not self.telemetry_path.exists():
             return np.empty((0, len(self.columns)))
         with self.telemetry_path.open("rb", buffering=0) as file:
-            found = (os.pread(file.fileno(), size, at * size) for at in indices)
-            data = b"".join(row for row in found if len(row) == size)
+            read = (os.pread(file.fileno(), size, at * size) for at in indices)
+            data = b"".join(row for row in read if len(row) == size)
         rows = np.frombuffer(data, "<f8").reshape(-1, len(names)).astype(np.float64, copy=False)
         return rows if names == self.columns else _in_current_columns(rows, names, self.columns)
 

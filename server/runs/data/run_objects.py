@@ -77,13 +77,13 @@ def grouped(listing: Sequence[Object]) -> dict[int, dict[int, Attempt]]:
         key = int(run_id), int(attempt)
         if names[0] == _PARTS:
             generation, _, offset = names[2].partition("-")
-            found = Part(int(generation), int(offset), one.path, one.size)
-            parts[key][names[1]].append(found)
+            part = Part(int(generation), int(offset), one.path, one.size)
+            parts[key][names[1]].append(part)
         else:
             files[key][names[0]] = one
     runs = defaultdict[int, dict[int, Attempt]](dict)
     for key in sorted({*files, *parts}):
-        ordered = {name: sorted(found) for name, found in parts[key].items()}
+        ordered = {name: sorted(listed) for name, listed in parts[key].items()}
         runs[key[0]][key[1]] = Attempt(files[key], ordered)
     return runs
 

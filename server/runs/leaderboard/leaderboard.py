@@ -243,11 +243,11 @@ def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit
     if after is not None:
         query = query.where(*_below(after))
         number = people_down_to(session, benchmark, after)
-    found: list[Key] = []
+    merged: list[Key] = []
     for row in session.execute(query):
         number += not row.is_baseline
-        found.append(Key.of(number, row))
-    return found
+        merged.append(Key.of(number, row))
+    return merged
 
 
 def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = None) -> list[Key]:
@@ -256,9 +256,9 @@ def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = No
     Sorted here: with ORDER BY, SQLite would look for them among all rows in that order.
     """
     rows = session.execute(_keys(benchmark).where(IS_BASELINE))
-    found = [Key.of(0, row) for row in rows]
-    found.sort(key=lambda key: place(key.cursor))
-    return [key for key in found if after is None or place(key.cursor) > place(after)]
+    ordered = [Key.of(0, row) for row in rows]
+    ordered.sort(key=lambda key: place(key.cursor))
+    return [key for key in ordered if after is None or place(key.cursor) > place(after)]
 
 
 def kinds(session: Session, benchmark: str, *, limit: int) -> set[Kind]:

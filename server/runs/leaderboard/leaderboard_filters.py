@@ -125,7 +125,7 @@ def choices(kinds: Iterable[Kind]) -> dict[str, list[str]]:
         "tracker": {row.tracker for row in rows},
         "baselines": {ONLY if row.is_baseline else HIDE for row in rows},
     }
-    return {name: sorted(found - {""}) for name, found in values.items() if len(found) > 1}
+    return {name: sorted(options - {""}) for name, options in values.items() if len(options) > 1}
 
 
 def by_metric(

@@ -52,7 +52,7 @@ def store(
     database: Database,
     settings: Settings,
     viewer: Viewer,
-    found: LogResult,
+    log: LogResult,
     *,
     title: str,
     notes: str = "",
@@ -71,16 +71,16 @@ def store(
     StorageUnavailable
         There is no room, or the storage is away.
     """
-    if set(POSE_COLUMNS) & set(found.manifest["absent"]):
+    if set(POSE_COLUMNS) & set(log.manifest["absent"]):
         raise LogRefused(NO_POSE)
     storage.require(settings)
-    new_bytes = found.rows.nbytes + len(json.dumps([found.metrics, found.manifest]))
+    new_bytes = log.rows.nbytes + len(json.dumps([log.metrics, log.manifest]))
     with database.reading() as session:
         quota.enforce(session, viewer, settings, new_bytes=new_bytes)
-    run = _row(viewer, found, title=title, notes=notes)
+    run = _row(viewer, log, title=title, notes=notes)
     try:
         with staged(settings, attempt=ATTEMPT) as aside:
-            result = _written(aside, run, found)
+            result = _written(aside, run, log)
             return _insert(database, settings, viewer, run, result, aside)
     except (StorageFailed, objects.ObjectsAway) as error:
         raise StorageUnavailable(str(error)) from error
@@ -110,17 +110,17 @@ def _insert(
     return run.id
 
 
-def _row(viewer: Viewer, found: LogResult, *, title: str, notes: str) -> Run:
+def _row(viewer: Viewer, log: LogResult, *, title: str, notes: str) -> Run:
     now = time.time()
     return Run(
         owner=viewer.owner,
         user_id=viewer.user_id,
         guest=None if viewer.user_id is not None else viewer.guest,
-        benchmark=found.benchmark,
+        benchmark=log.benchmark,
         kind=RunKind.LOG,
-        config=found.config,
+        config=log.config,
         seed=0,  # of the noise in the rendered images
-        trials=found.trials,
+        trials=log.trials,
         controller=LOG,
         title=clean_title(title),
         notes=clean_notes(notes),
@@ -130,27 +130,27 @@ def _row(viewer: Viewer, found: LogResult, *, title: str, notes: str) -> Run:
         started_at=now,
         finished_at=now,
         progress=1.0,
-        t_simulated=float(found.rows[:, INDEX["t"]].max()),
+        t_simulated=float(log.rows[:, INDEX["t"]].max()),
     )
 
 
-def _written(aside: Staged, run: Run, found: LogResult) -> Result:
+def _written(aside: Staged, run: Run, log: LogResult) -> Result:
     """Write the files of a log aside, and return the row of its result, still without a run."""
-    for at in range(0, len(found.rows), WRITTEN_ROWS):
-        aside.files.append_rows(found.rows[at : at + WRITTEN_ROWS])
-    aside.files.write_json("metrics.json", found.metrics)
-    aside.files.write_json("manifest.json", found.manifest)
+    for at in range(0, len(log.rows), WRITTEN_ROWS):
+        aside.files.append_rows(log.rows[at : at + WRITTEN_ROWS])
+    aside.files.write_json("metrics.json", log.metrics)
+    aside.files.write_json("manifest.json", log.manifest)
     aside.upload()
     run.data_bytes, run.data_measured = aside.files.size(), True
     return Result(
         attempt=ATTEMPT,
-        digest=found.digest,
-        score=found.metrics["score"],
-        level_held=found.metrics["level_held"],
+        digest=log.digest,
+        score=log.metrics["score"],
+        level_held=log.metrics["level_held"],
         rankable=False,
-        not_ranked=found.metrics["not_ranked"],
-        error_curve=error_curve(aside.files, found.benchmark),
-        metrics=found.metrics,
-        manifest=found.manifest,
+        not_ranked=log.metrics["not_ranked"],
+        error_curve=error_curve(aside.files, log.benchmark),
+        metrics=log.metrics,
+        manifest=log.manifest,
         created_at=time.time(),
     )

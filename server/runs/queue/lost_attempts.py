@@ -74,8 +74,8 @@ def leases(session: Session) -> dict[int, float]:
 
 def recover(session: Session, abandoned: Mapping[int, float], settings: Settings) -> Recovery:
     """Requeue the runs whose leases are abandoned; the caller then sends the missing tickets."""
-    found = _locked(session, Run.id.in_(sorted(abandoned)))
-    unrenewed = [run for run in found if run.lease_until == abandoned[run.id]]
+    runs = _locked(session, Run.id.in_(sorted(abandoned)))
+    unrenewed = [run for run in runs if run.lease_until == abandoned[run.id]]
     return _release_lost(session, unrenewed, settings)
 
 

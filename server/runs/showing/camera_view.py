@@ -139,9 +139,9 @@ def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
     """Return the last row of a trial up to time `t`, else its first; None without rows."""
     after = files.rows_until(trial, t + 1e-6)
     for at in (after - 1, after):  # before its first row: the first row
-        found = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
-        if len(found) and int(found[0, INDEX["trial"]]) == trial:
-            row: Row = found[0]
+        rows = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
+        if len(rows) and int(rows[0, INDEX["trial"]]) == trial:
+            row: Row = rows[0]
             return row
     return None
 

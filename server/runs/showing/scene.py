@@ -124,8 +124,8 @@ def _top_of(target: Any) -> Surface:
 
     planes = []
     for channel in (2, 1, 0):
-        found = box_texture(target, channel)
-        _, columns, rows = found.layout[0]
-        packed = found.texels[: rows * columns].view(np.uint32)
+        texture = box_texture(target, channel)
+        _, columns, rows = texture.layout[0]
+        packed = texture.texels[: rows * columns].view(np.uint32)
         planes.append((packed & 0xFF).astype(np.uint8).reshape(rows, columns))
     return np.dstack(planes)

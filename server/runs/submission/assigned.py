@@ -27,53 +27,54 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
         A setting of the scenario has an invalid value.
     """
     try:
-        found = assignments.open_for(session, assignment_id, sent.viewer.user_id)
+        assignment = assignments.open_for(session, assignment_id, sent.viewer.user_id)
     except ClassRefused as refusal:
         raise SubmissionRejected(str(refusal), field=refusal.field) from None
-    if sent.benchmark != found.benchmark:
+    if sent.benchmark != assignment.benchmark:
         raise SubmissionRejected(
-            f"This assignment asks for runs of {found.benchmark}, not of {sent.benchmark}.",
+            f"This assignment asks for runs of {assignment.benchmark}, not of {sent.benchmark}.",
             field="benchmark",
         )
-    if found.is_ranked:
-        return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None, trials=None)
-    if found.seed is not None and sent.seed not in (None, found.seed):
+    if assignment.is_ranked:
+        return replace(sent, assignment=assignment.id, kind=RunKind.RANKED, seed=None, trials=None)
+    if assignment.seed is not None and sent.seed not in (None, assignment.seed):
         raise SubmissionRejected(
-            f"This assignment fixes the seed to {found.seed}. Leave the seed out.", field="seed"
+            f"This assignment fixes the seed to {assignment.seed}. Leave the seed out.",
+            field="seed",
         )
     return replace(
         sent,
-        assignment=found.id,
+        assignment=assignment.id,
         kind=RunKind.PRACTICE,
-        seed=sent.seed if found.seed is None else found.seed,
-        trials=found.trials,
-        config=_config(found, sent.config),
+        seed=sent.seed if assignment.seed is None else assignment.seed,
+        trials=assignment.trials,
+        config=_config(assignment, sent.config),
     )
 
 
-def fixed_changes(found: AssignmentView) -> list[tuple[str, str, str]]:
+def fixed_changes(assignment: AssignmentView) -> list[tuple[str, str, str]]:
     """Return title, unit and value of the fixed settings that differ from the defaults."""
-    properties = registry.benchmark(found.benchmark).schema()["properties"]
+    properties = registry.benchmark(assignment.benchmark).schema()["properties"]
     return [
         (
             properties[name]["title"],
             properties[name].get("x-unit", ""),
             label_of(properties[name], value),
         )
-        for name, value in found.fixed().items()
+        for name, value in assignment.fixed().items()
         if value != properties[name].get("default")
     ]
 
 
-def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
+def _config(assignment: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
     """Return the settings of a run; raises SubmissionRejected if one is not the assignment's."""
-    benchmark, fixed = registry.benchmark(found.benchmark), found.fixed()
+    benchmark, fixed = registry.benchmark(assignment.benchmark), assignment.fixed()
     sent = {name: value for name, value in chosen.items() if name in fixed}
-    config = benchmark.read({**found.config, **sent}).model_dump(mode="json")
+    config = benchmark.read({**assignment.config, **sent}).model_dump(mode="json")
     for name, value in fixed.items():
         if config[name] != value:
             title = benchmark.configuration.model_fields[name].title or name
             raise SubmissionRejected(
                 f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name
             )
-    return {**found.config, **chosen, **fixed}  # with the parameters of the student's program
+    return {**assignment.config, **chosen, **fixed}  # with the parameters of the student's program

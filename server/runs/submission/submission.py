@@ -137,11 +137,11 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
 
 def _open_assignment(session: Session, run: Run, viewer: Viewer) -> int | None:
     """Return the assignment that a run of the viewer was for, if it still accepts runs."""
-    found = assignments.of_run(session, run.id)
-    if found is None or viewer.user_id is None or run.user_id != viewer.user_id:
+    assignment = assignments.of_run(session, run.id)
+    if assignment is None or viewer.user_id is None or run.user_id != viewer.user_id:
         return None
     try:
-        return assignments.open_for(session, found.id, viewer.user_id).id
+        return assignments.open_for(session, assignment.id, viewer.user_id).id
     except ClassRefused:
         return None
 

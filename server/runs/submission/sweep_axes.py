@@ -31,16 +31,16 @@ def read_axis(name: str, values: Sequence[Value] | str) -> Axis:
     values
         A list, or a text: values with commas, or `from:to:count` for evenly spaced numbers.
     """
-    found = _from_text(name, values[:TEXT_MAX]) if isinstance(values, str) else list(values)
-    if not 2 <= len(found) <= RUNS_MAX:
+    read = _from_text(name, values[:TEXT_MAX]) if isinstance(values, str) else list(values)
+    if not 2 <= len(read) <= RUNS_MAX:
         raise _refused(f"Give 2 to {RUNS_MAX} values of {name}, such as 0.1, 0.2, 0.5 or 0.1:1:10.")
-    if any(isinstance(value, float) and not math.isfinite(value) for value in found):
+    if any(isinstance(value, float) and not math.isfinite(value) for value in read):
         raise _refused(f"The values of {name} must be finite.")
-    texts = [text_of(value) for value in found]
+    texts = [text_of(value) for value in read]
     twice = next((text for text in texts if texts.count(text) > 1), None)
     if twice is not None:
         raise _refused(f"The value {twice[:NUMBER_MAX]} of {name} is listed twice.")
-    return Axis(name, tuple(found))
+    return Axis(name, tuple(read))
 
 
 def shown(value: Value) -> str:

@@ -173,11 +173,11 @@ class Feed:
         async with self._reading:
             published, self._pending = self._pending, []
             await self._thread(lambda: self._append(published))
-            found = await self._thread(lambda: self._excerpt(self._position, None, budget))
-            self._position = found.end
-            for frame in found.frames:
+            excerpt = await self._thread(lambda: self._excerpt(self._position, None, budget))
+            self._position = excerpt.end
+            for frame in excerpt.frames:
                 self._send(frame)
-            return found.end
+            return excerpt.end
 
     def _send(self, frame: Frame) -> None:
         for inbox, abort in list(self._inboxes.items()):
