@@ -6,6 +6,7 @@ import time
 import pytest
 
 from seamark.server.accounts import accounts
+from tests.conftest import HASHER_OF_SERVICE
 from tests.server.pages.conftest import Site
 
 WORDS = "correct horse battery"
@@ -25,7 +26,10 @@ def _cpu_s(site: Site, name: str, password: str) -> float:
 
 
 @pytest.mark.slow
-def test_a_sign_in_is_as_much_work_for_every_name_and_password(site: Site) -> None:
+def test_a_sign_in_is_as_much_work_for_every_name_and_password(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(accounts, "_hasher", HASHER_OF_SERVICE)
     with site.database.writing() as session:
         accounts.sign_up(session, "cleo", WORDS)
     known = _cpu_s(site, "cleo", "wrong wrong wrong")
