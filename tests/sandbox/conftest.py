@@ -1,5 +1,8 @@
 """Boxes and programs for tests of the sandbox itself."""
 
+import contextlib
+import os
+
 from seamark.sandbox.box import Box
 
 LAYOUT = {
@@ -29,3 +32,12 @@ def printed(box: Box, source: bytes) -> str:
     box.reset({"index": 0})
     box.step(VALUES)
     return box.finish().output.decode()
+
+
+def descriptors() -> set[tuple[str, str]]:
+    """Return what this process has open; what other tests left may be closed at any time."""
+    opened = set()
+    for number in os.listdir("/proc/self/fd"):
+        with contextlib.suppress(FileNotFoundError):  # that of the list itself
+            opened.add((number, os.readlink(f"/proc/self/fd/{number}")))
+    return opened

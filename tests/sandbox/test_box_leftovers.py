@@ -16,14 +16,14 @@ from seamark.sandbox.isolation import cgroup_parents
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
-from tests.sandbox.conftest import printed, program
+from tests.sandbox.conftest import descriptors, printed, program
 
 pytestmark = pytest.mark.host
 
 
 @pytest.mark.slow
 def test_nothing_is_left_after_fifty_runs(isolation) -> None:
-    before = (sorted(os.listdir("/proc/self/fd")), threading.active_count())
+    before, threads = descriptors(), set(threading.enumerate())
     everybody = []
     for _ in range(50):
         with Box(limits=Limits(), isolation=isolation) as box:
@@ -37,7 +37,8 @@ def test_nothing_is_left_after_fifty_runs(isolation) -> None:
 
     assert len(ended) >= 100
     assert all(ended)
-    assert (sorted(os.listdir("/proc/self/fd")), threading.active_count()) == before
+    assert not descriptors() - before
+    assert not set(threading.enumerate()) - threads
     assert not list(Path("/sys/fs/cgroup").glob(f"**/seamark-box-{os.getpid()}-*"))
 
 
