@@ -14,6 +14,7 @@ from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 from redis import Redis
 
+from seamark.cli.main import GARBAGE_AFTER
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
 from seamark.server.accounts import accounts
@@ -36,10 +37,11 @@ hypothesis_settings.register_profile(
 hypothesis_settings.load_profile("patient")
 compiled_once.share()
 scratch.use_memory()
-# Hashing a password is dear on purpose; only the test of that hashes as the service does.
-HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, PasswordHasher(1, 8, 1)
+# Hashing a password is dear on purpose; only tests of that hash as the service does.
+QUICK_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
+HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, QUICK_HASHER
 # A full collection looks at 800,000 objects, for a second: it took a third of some files' time.
-gc.set_threshold(20_000)
+gc.set_threshold(GARBAGE_AFTER)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

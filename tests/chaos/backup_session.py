@@ -30,9 +30,9 @@ from seamark.server.runs.record.states import FINAL, RunState
 from seamark.server.settings import Settings
 from tests.cast import USERS, Backend
 from tests.chaos.campaign import Campaign
-from tests.chaos.installation import Installation, wait_until
+from tests.chaos.installation import Installation
 from tests.services import postgres
-from tests.worker.conftest import Service
+from tests.worker.conftest import Service, wait_until
 
 RUNS, SEED = 100, 1
 ENDED_FIRST = 0.2  # of the runs, before the backup

@@ -21,7 +21,8 @@ from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.cast import USERS
 from tests.chaos.faults import Fault
-from tests.chaos.installation import Installation, wait_until
+from tests.chaos.installation import Installation
+from tests.worker.conftest import wait_until
 from tests.worker.processes import command_line
 
 SEED = 3

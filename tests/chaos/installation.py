@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,7 +22,7 @@ from seamark.server.settings import Settings
 from tests.services import faulty_s3, postgres, s3
 from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
-from tests.worker.conftest import POLL_S, Service, service_with
+from tests.worker.conftest import Service, service_with, wait_until
 from tests.worker.processes import command_line
 
 ZYGOTE = "seamark.worker.zygote.process"
@@ -190,14 +189,6 @@ def _reaped(pid: int) -> bool:
         return os.waitpid(pid, os.WNOHANG)[0] == pid
     except ChildProcessError:
         return True
-
-
-def wait_until(happened: Callable[[], object], seconds: float = START_S) -> None:
-    """Wait until something has happened."""
-    deadline = time.monotonic() + seconds
-    while not happened():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(POLL_S)
 
 
 def _serves(port: int) -> bool:

@@ -22,9 +22,9 @@ from redis.exceptions import RedisError
 from seamark.embedded.broker import find_server
 from seamark.sim.numerics.numba_internals import numba_folder
 from tests.chaos.containers import Container, Host, Machine
-from tests.chaos.installation import wait_until
 from tests.services import compose, postgres
 from tests.services.faulty_s3 import FaultyS3, in_front_of
+from tests.worker.conftest import wait_until
 
 HERE, ELSEWHERE = Machine("sea-a", "10.77.0"), Machine("sea-b", "10.77.1")
 STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}

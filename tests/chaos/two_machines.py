@@ -30,12 +30,12 @@ from seamark.worker.evaluation.local import evaluate_locally, evaluate_seeds
 from tests.chaos import machine_session
 from tests.chaos.campaign import PROGRAM
 from tests.chaos.faults import ERRORS_S, HANG_S
-from tests.chaos.installation import wait_until
 from tests.chaos.machine_session import ELSEWHERE, HERE, QUOTAS, START_S, Session
 from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
 from tests.services.faulty_s3 import Behaviour
+from tests.worker.conftest import wait_until
 
 REFUSED_S = 120.0  # until a worker that must not start has ended
 STANDSTILL_S, POLL_S = 60.0, 0.25

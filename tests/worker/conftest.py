@@ -34,6 +34,14 @@ QUICK = {"lease_s": 3.0, "workers": 1}
 POLL_S = 0.1  # each look at a run or at all processes takes CPU from what it waits for
 
 
+def wait_until(happened: Callable[[], object], seconds: float = START_S) -> None:
+    """Wait until something has happened."""
+    deadline = time.monotonic() + seconds
+    while not happened():
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(POLL_S)
+
+
 @dataclass
 class Service(Backend):
     """The cast's database with a broker and workers, and what the tests do to them."""

@@ -27,9 +27,9 @@ from seamark.server.database.tables import Result, Run
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from tests.chaos import machine_session
-from tests.chaos.installation import wait_until
 from tests.chaos.machine_session import ELSEWHERE, HERE, START_S, STORES, Session
 from tests.services import compose
+from tests.worker.conftest import wait_until
 
 PING_S = 5.0
 SECRETS = ("storage_access_key", "storage_secret_key", "seed_key")

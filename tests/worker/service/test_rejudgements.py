@@ -1,8 +1,5 @@
 """What admins decide, with real workers: computing runs again, draining."""
 
-import time
-from collections.abc import Callable
-
 import pytest
 from sqlalchemy import select, update
 
@@ -13,7 +10,7 @@ from seamark.server.administration.rejudgements import Difference, RejudgementVi
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
 from seamark.server.runs.record.states import RunState
-from tests.worker.conftest import LONG, POLL_S, START_S, Service
+from tests.worker.conftest import LONG, Service, wait_until
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 
@@ -30,13 +27,6 @@ class Controller:
         x, y, _ = observation.error
         return [self.kp * x, self.kp * y, 0.0, 0.0]
 """
-
-
-def wait_until(happened: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + START_S
-    while not happened():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(POLL_S)
 
 
 def _rejudged(service: Service) -> tuple[RejudgementView, list[Difference]]:

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import timedelta
 from pathlib import Path
@@ -31,7 +31,7 @@ from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
 from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
-from tests.worker.conftest import POLL_S, SHORT
+from tests.worker.conftest import SHORT, wait_until
 
 LEASE_S = 2.0
 PATIENCE_S = 40.0  # less than a request to the storage may take, so that waiting for it shows
@@ -79,13 +79,6 @@ def _evaluating(context: RunContext, claim: Claim) -> Iterator[list[bool]]:
     assert not thread.is_alive()
 
 
-def _wait_until(happened: Callable[[], object]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(POLL_S)
-
-
 def _run(backend: Backend, run_id: int) -> Run:
     with backend.database.reading() as session:
         return session.get_one(Run, run_id)
@@ -94,7 +87,7 @@ def _run(backend: Backend, run_id: int) -> Run:
 def _outlives_its_first_lease(backend: Backend, run_id: int) -> None:
     """Wait until a run has been renewed for longer than a lease lasts."""
     until = time.time() + 2 * LEASE_S
-    _wait_until(lambda: (_run(backend, run_id).lease_until or 0.0) > until)
+    wait_until(lambda: (_run(backend, run_id).lease_until or 0.0) > until, PATIENCE_S)
 
 
 def _lost(reason: str) -> float:
@@ -114,9 +107,9 @@ def test_a_run_keeps_its_lease_while_the_storage_is_away(
     claim = backend.running("ann", config=LONG)
 
     with _evaluating(context, claim) as went_well:
-        _wait_until(lambda: backend.show(claim.run_id).progress)
+        wait_until(lambda: backend.show(claim.run_id).progress, PATIENCE_S)
         storage.behave(behaviour)
-        _wait_until(lambda: storage.asked)
+        wait_until(lambda: storage.asked, PATIENCE_S)
         _outlives_its_first_lease(backend, claim.run_id)
         assert backend.show(claim.run_id).state is RunState.RUNNING
         storage.behave("works")
@@ -136,7 +129,7 @@ def test_a_run_that_ends_while_the_storage_is_away_has_its_result_when_it_is_bac
     storage.behave(behaviour)
 
     with _evaluating(context, claim) as went_well:
-        _wait_until(lambda: storage.asked)
+        wait_until(lambda: storage.asked, PATIENCE_S)
         _outlives_its_first_lease(backend, claim.run_id)
         storage.behave("works")
 
@@ -163,7 +156,7 @@ def test_a_run_whose_storage_stays_away_is_lost_to_the_storage_not_to_its_worker
     storage.behave(behaviour)
 
     with _evaluating(context, claim) as went_well:
-        _wait_until(lambda: backend.show(claim.run_id).state is RunState.QUEUED)
+        wait_until(lambda: backend.show(claim.run_id).state is RunState.QUEUED, PATIENCE_S)
         storage.behave("works")
 
     assert went_well == [False]
@@ -210,7 +203,7 @@ def test_a_claimed_check_keeps_its_lease_while_its_program_cannot_be_fetched(
             return max(checks.leases(session).values(), default=0.0)
 
     until = time.time() + 2 * LEASE_S
-    _wait_until(lambda: renewed_until() > until)
+    wait_until(lambda: renewed_until() > until, PATIENCE_S)
     stopping.set()
     thread.join(PATIENCE_S)
 
