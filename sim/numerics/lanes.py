@@ -229,21 +229,53 @@ def _shape(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 
 
 @intrinsic
-def lanes_of(typing: Any, array: Any) -> Any:
-    """Return a view of a float64 array (..., 8); whoever owns the memory must outlive it."""
-    if not isinstance(array, types.Array) or array.layout != "C" or array.dtype != types.float64:
+def lanes_of(typing: Any, value: Any) -> Any:
+    """Return a view of a float64 array (..., 8); whoever owns the memory must outlive it.
+
+    Of a tuple, also a nested one, it returns a tuple with views in place of such arrays; what is
+    not an array of float64 is the same for all lanes and stays.
+    """
+    if not isinstance(value, types.BaseTuple) and not _has_lanes(value):
         return None
-    kind = _ViewType(array.ndim - 1)
+    kind = _kind_of_view(value)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        given = context.make_array(array)(context, builder, args[0])
-        made = cgutils.create_struct_proxy(kind)(context, builder)
-        made.data = given.data
-        for axis, size in enumerate(cgutils.unpack_tuple(builder, given.shape)[: kind.ndim]):
-            setattr(made, f"size{axis}", size)
-        return made._getvalue()
+        return _view_of(context, builder, value, args[0])
 
-    return kind(array), generate
+    return kind(value), generate
+
+
+def _has_lanes(kind: Any) -> bool:
+    array = isinstance(kind, types.Array)
+    return array and kind.layout == "C" and kind.dtype == types.float64
+
+
+def _kind_of_view(kind: Any) -> Any:
+    if isinstance(kind, types.BaseTuple):
+        parts = [_kind_of_view(part) for part in kind]
+        if isinstance(kind, types.BaseNamedTuple):
+            return types.NamedTuple(parts, kind.instance_class)
+        return types.Tuple(parts)
+    return _ViewType(kind.ndim - 1) if _has_lanes(kind) else kind
+
+
+def _view_of(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    if isinstance(kind, types.BaseTuple):
+        parts = [
+            _view_of(context, builder, part, builder.extract_value(value, at))
+            for at, part in enumerate(kind)
+        ]
+        return context.make_tuple(builder, _kind_of_view(kind), parts)
+    if not _has_lanes(kind):
+        context.nrt.incref(builder, kind, value)
+        return value
+    view = _kind_of_view(kind)
+    given = context.make_array(kind)(context, builder, value)
+    made = cgutils.create_struct_proxy(view)(context, builder)
+    made.data = given.data
+    for axis, size in enumerate(cgutils.unpack_tuple(builder, given.shape)[: view.ndim]):
+        setattr(made, f"size{axis}", size)
+    return made._getvalue()
 
 
 def _either(number: Any, lanes: Any, emit: Callable[..., Any]) -> Any:

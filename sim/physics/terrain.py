@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import like, select, some, sqrt
 from seamark.sim.numerics.libm import PI, cos, sin, sincos
 from seamark.sim.physics import constants
 
@@ -142,23 +143,25 @@ class Bottom:
 @njit(cache=True, error_model="numpy")
 def _smoothstep(x: float) -> tuple[float, float]:
     """Return a smooth step from 0 to 1 over 0 <= x <= 1, and its slope."""
-    if x <= 0.0:
-        return 0.0, 0.0
-    if x >= 1.0:
-        return 1.0, 0.0
-    return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
+    before, after = x <= 0.0, x >= 1.0
+    return (
+        select(before, 0.0, select(after, 1.0, x * x * (3.0 - 2.0 * x))),
+        select(before, 0.0, select(after, 0.0, 6.0 * x * (1.0 - x))),
+    )
 
 
 @njit(cache=True, error_model="numpy")
 def height_and_slope(north: float, east: float, mounds: Mounds) -> tuple[float, float, float]:
     """Return the height over the flat bottom at a position [m], and its slopes north and east."""
     x, y = north - mounds.north, east - mounds.east
-    away = math.sqrt(x * x + y * y)
+    away = sqrt(x * x + y * y)
     inner, inner_slope = _smoothstep((away - mounds.flat) / RISE_M)
     outer, outer_slope = _smoothstep((REACH_M - away) / RISE_M)
     share = inner * outer
-    if share == 0.0:
-        return 0.0, 0.0, 0.0
+    raised = share != 0.0
+    zero = like(x, 0.0)
+    if not some(raised):
+        return zero, zero, zero
     wave, wave_x, wave_y = 0.5, 0.0, 0.0
     for i in range(mounds.waves.shape[0]):
         part, kx, ky = 0.5 * mounds.waves[i, 0], mounds.waves[i, 1], mounds.waves[i, 2]
@@ -169,9 +172,9 @@ def height_and_slope(north: float, east: float, mounds: Mounds) -> tuple[float, 
     outwards = (inner_slope * outer - inner * outer_slope) / (RISE_M * away)
     height = mounds.height
     return (
-        height * share * wave,
-        height * (share * wave_x + outwards * x * wave),
-        height * (share * wave_y + outwards * y * wave),
+        select(raised, height * share * wave, zero),
+        select(raised, height * (share * wave_x + outwards * x * wave), zero),
+        select(raised, height * (share * wave_y + outwards * y * wave), zero),
     )
 
 

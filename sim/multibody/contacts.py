@@ -1,0 +1,298 @@
+"""Contacts: which shapes touch where, in a fixed number of slots for each pair of shapes."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.multibody.distances import (
+    nearest_on_segment,
+    point_box,
+    point_socket,
+    rim_direction,
+    segments,
+    spheres,
+    to_line,
+)
+from seamark.sim.multibody.tree import WORLD, Frames
+from seamark.sim.multibody.vectors import (
+    Vector,
+    choose,
+    column,
+    cross,
+    dot,
+    minus,
+    plus,
+    put,
+    rotate,
+    rotate_back,
+    three,
+    times,
+)
+from seamark.sim.numerics.arrays import Array, Integers
+from seamark.sim.numerics.lanes import like, select, some, sqrt
+from seamark.sim.physics.terrain import Mounds, height_and_slope
+
+# Kinds of shapes. Capsules and cylinders lie along their x axis; a sphere is a short capsule.
+CAPSULE, BOX, CYLINDER, GROUND, SOCKET = 0, 1, 2, 3, 4
+# Slots of each pair of kinds that can touch.
+SLOTS = {
+    (CAPSULE, GROUND): 2,
+    (BOX, GROUND): 8,
+    (CYLINDER, GROUND): 6,
+    (CAPSULE, CAPSULE): 2,
+    (CAPSULE, BOX): 3,
+    (BOX, BOX): 16,
+    (CYLINDER, SOCKET): 6,
+}
+MARGIN_M = 0.01  # a gap above it is no contact: more than shapes approach each other in a step
+_SAME_POINT = 0.01  # share of a segment's half: nearer to its end is the end
+_STEEP = 0.1  # least cosine of the angle between the axes of a cylinder and of its hole
+_HALF, _ROOT = 0.5, 0.8660254037844386  # cosine and sine of 60 degrees
+
+
+class Shapes(NamedTuple):
+    """k shapes, and m pairs of them that may touch."""
+
+    kind: Integers  # (k,)
+    link: Integers  # (k,) or WORLD
+    first: Integers  # (m,) shape of each pair
+    second: Integers  # (m,)
+    slot: Integers  # (m,) first of its slots
+    place: Array  # (k, 3) [m] centre in the link
+    turn: Array  # (k, 3, 3) rotation to the link's axes
+    size: Array  # (k, 3) [m]: radius, half length; half lengths; radius, depth and chamfer of a hole
+    reach: Array  # (k,) [m] radius of the sphere around the centre that contains it; inf without end
+
+
+class Touches(NamedTuple):
+    """Where shapes are, and the contacts of s slots."""
+
+    centre: Array  # (k, 3) [m] world
+    turned: Array  # (k, 3, 3) rotation to world axes
+    point: Array  # (s, 3) [m] world
+    normal: Array  # (s, 3) pushes the first shape away from the second
+    gap: Array  # (s,) [m]; above MARGIN_M for an unused slot
+
+
+def touches_for(shapes: int, slots: int, lanes: tuple[int, ...] = ()) -> Touches:
+    """Return the memory for so many shapes and slots."""
+    sizes = Touches(
+        centre=(shapes, 3), turned=(shapes, 3, 3), point=(slots, 3), normal=(slots, 3), gap=(slots,)
+    )
+    return Touches(*(np.zeros((*size, *lanes)) for size in sizes))
+
+
+@njit(cache=True, error_model="numpy")
+def place_shapes(shapes: Shapes, frames: Frames, to: Touches) -> None:
+    """Write centre and axes of all shapes in the world."""
+    for k in range(shapes.kind.size):
+        link, centre = shapes.link[k], three(shapes.place, k, 0)
+        if link == WORLD:
+            put(to.centre, k, 0, centre)
+            for j in range(3):
+                _put_column(to.turned, k, j, column(shapes.turn, k, j))
+        else:
+            centre = rotate(frames.rotation, link, centre)
+            put(to.centre, k, 0, plus(three(frames.position, link, 0), centre))
+            for j in range(3):
+                axis = rotate(frames.rotation, link, column(shapes.turn, k, j))
+                _put_column(to.turned, k, j, axis)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _put_column(m: Array, k: int, j: int, v: Vector) -> None:
+    m[k, 0, j], m[k, 1, j], m[k, 2, j] = v[0], v[1], v[2]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _put_touch(slot: int, touch: tuple[Vector, Vector, float], to: Touches) -> None:
+    point, normal, gap = touch
+    put(to.point, slot, 0, point)
+    put(to.normal, slot, 0, normal)
+    to.gap[slot] = gap
+
+
+@njit(cache=True, error_model="numpy")
+def find_touches(shapes: Shapes, ground: Mounds, to: Touches) -> None:
+    """Write the contacts of all pairs; `place_shapes` has been called."""
+    # Lanes without a contact in a slot that others use must have numbers there.
+    zero = like(to.gap[0], 0.0)
+    for slot in range(to.gap.size):
+        _put_touch(slot, ((zero, zero, zero), (zero, zero, zero - 1.0), zero + 2.0 * MARGIN_M), to)
+    for pair in range(shapes.first.size):
+        a, b, slot = shapes.first[pair], shapes.second[pair], shapes.slot[pair]
+        if shapes.kind[b] == GROUND:
+            if some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > ground.depth - ground.height):
+                _touch_ground(a, slot, shapes, ground, to)
+            continue
+        apart = minus(three(to.centre, a, 0), three(to.centre, b, 0))
+        reach = shapes.reach[a] + shapes.reach[b] + MARGIN_M
+        if not some(dot(apart, apart) < reach * reach):
+            continue
+        if shapes.kind[b] == CAPSULE:
+            _touch_capsules(a, b, slot, shapes, to)
+        elif shapes.kind[a] == CAPSULE:
+            _touch_capsule_box(a, b, slot, shapes, to)
+        elif shapes.kind[a] == BOX:
+            _touch_boxes(a, b, slot, shapes, to)
+        else:
+            _touch_socket(a, b, slot, shapes, to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_ground(a: int, slot: int, shapes: Shapes, ground: Mounds, to: Touches) -> None:
+    centre = three(to.centre, a, 0)
+    radius, half = shapes.size[a, 0], shapes.size[a, 1]
+    axis = column(to.turned, a, 0)
+    if shapes.kind[a] == CAPSULE:
+        along = times(axis, half)
+        _put_touch(slot, _sphere_ground(plus(centre, along), radius, ground), to)
+        _put_touch(slot + 1, _sphere_ground(minus(centre, along), radius, ground), to)
+    elif shapes.kind[a] == BOX:
+        for corner in range(8):
+            p = _corner(a, corner, shapes, to)
+            _put_touch(slot + corner, _sphere_ground(p, like(radius, 0.0), ground), to)
+    else:
+        zero = like(radius, 0.0)
+        down = (zero, zero, zero + 1.0)
+        for end in range(2):
+            middle = plus(centre, times(axis, half if end == 1 else -half))
+            for k in range(3):
+                p = _rim_point(middle, axis, down, radius, k)
+                _put_touch(slot + 3 * end + k, _sphere_ground(p, zero, ground), to)
+
+
+@njit(cache=True, error_model="numpy")
+def _sphere_ground(p: Vector, radius: float, ground: Mounds) -> tuple[Vector, Vector, float]:
+    """Return the touch of a sphere and the bottom, which is taken as flat around it."""
+    height, north, east = height_and_slope(p[0], p[1], ground)
+    steep = 1.0 / sqrt(north * north + east * east + 1.0)
+    normal = (-north * steep, -east * steep, -steep)
+    gap = (ground.depth - height - p[2]) * steep - radius
+    return minus(p, times(normal, radius)), normal, gap
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _corner(a: int, corner: int, shapes: Shapes, to: Touches) -> Vector:
+    """Return corner 0 to 7 of a box in the world."""
+    x, y, z = three(shapes.size, a, 0)
+    x = x if corner & 1 else -x
+    y = y if corner & 2 else -y
+    z = z if corner & 4 else -z
+    return plus(three(to.centre, a, 0), rotate(to.turned, a, (x, y, z)))
+
+
+@njit(cache=True, error_model="numpy")
+def _rim_point(middle: Vector, axis: Vector, wanted: Vector, radius: float, k: int) -> Vector:
+    """Return a point of a circle: the farthest in a direction (k = 0), or 120 degrees beside it."""
+    towards = rim_direction(wanted, axis)
+    if k > 0:
+        beside = cross(axis, towards)
+        side = _ROOT if k == 1 else -_ROOT
+        towards = plus(times(towards, -_HALF), times(beside, side))
+    return plus(middle, times(towards, radius))
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    centre_a, centre_b = three(to.centre, a, 0), three(to.centre, b, 0)
+    along_a = times(column(to.turned, a, 0), shapes.size[a, 1])
+    along_b = times(column(to.turned, b, 0), shapes.size[b, 1])
+    s, t, s_last, t_last, parallel = segments(centre_a, along_a, centre_b, along_b)
+    radius_a, radius_b = shapes.size[a, 0], shapes.size[b, 0]
+    p, q = plus(centre_a, times(along_a, s)), plus(centre_b, times(along_b, t))
+    _put_touch(slot, spheres(p, radius_a, q, radius_b), to)
+    p, q = plus(centre_a, times(along_a, s_last)), plus(centre_b, times(along_b, t_last))
+    point, normal, gap = spheres(p, radius_a, q, radius_b)
+    _put_touch(slot + 1, (point, normal, select(parallel, gap, 2.0 * MARGIN_M)), to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_capsule_box(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of a capsule with a box: at both ends, and where it is nearest between."""
+    half, radius = three(shapes.size, b, 0), shapes.size[a, 0]
+    away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
+    middle = rotate_back(to.turned, b, away)
+    along = rotate_back(to.turned, b, times(column(to.turned, a, 0), shapes.size[a, 1]))
+    t = nearest_on_segment(middle, along, half)
+    between = (abs(t) < 1.0 - _SAME_POINT) & (shapes.size[a, 1] > 0.0)
+    one = like(t, 1.0)
+    for k in range(3):
+        share = (-one if k == 0 else one) if k < 2 else t
+        p = plus(middle, times(along, share))
+        point, normal, gap = _sphere_box(p, radius, b, half, to)
+        if k == 1:
+            gap = select(shapes.size[a, 1] > 0.0, gap, 2.0 * MARGIN_M)
+        elif k == 2:
+            gap = select(between, gap, 2.0 * MARGIN_M)
+        _put_touch(slot + k, (point, normal, gap), to)
+
+
+@njit(cache=True, error_model="numpy")
+def _sphere_box(
+    p: Vector, radius: float, b: int, half: Vector, to: Touches
+) -> tuple[Vector, Vector, float]:
+    """Return the touch of a sphere at p, in the axes of box b, and that box."""
+    normal, distance = point_box(p, half)
+    point = minus(p, times(normal, radius))
+    world = plus(three(to.centre, b, 0), rotate(to.turned, b, point))
+    return world, rotate(to.turned, b, normal), distance - radius
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_boxes(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of each one's corners with the other.
+
+    An edge that crosses an edge without a corner inside is not seen.
+    """
+    zero = like(shapes.size[a, 0], 0.0)
+    for corner in range(8):
+        p = minus(_corner(a, corner, shapes, to), three(to.centre, b, 0))
+        p = rotate_back(to.turned, b, p)
+        _put_touch(slot + corner, _sphere_box(p, zero, b, three(shapes.size, b, 0), to), to)
+        p = minus(_corner(b, corner, shapes, to), three(to.centre, a, 0))
+        p = rotate_back(to.turned, a, p)
+        point, normal, gap = _sphere_box(p, zero, a, three(shapes.size, a, 0), to)
+        _put_touch(slot + 8 + corner, (point, times(normal, -1.0), gap), to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of a cylinder and a hole, in the hole's axes: tip, rim, side at the mouth."""
+    radius, half = shapes.size[a, 0], shapes.size[a, 1]
+    socket = three(shapes.size, b, 0)
+    away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
+    centre = rotate_back(to.turned, b, away)
+    axis = rotate_back(to.turned, b, column(to.turned, a, 0))
+    inwards = axis[0] > 0.0  # from here on the axis points into the hole
+    axis = choose(inwards, times(axis, -1.0), axis)
+    tip = plus(centre, times(axis, half))
+    zero = like(radius, 0.0)
+    deep = (zero - 1.0, zero, zero)
+    off = (zero, tip[1], tip[2])
+    _put_touch(slot, _socket_point(_rim_point(tip, axis, off, radius, 0), b, socket, to), to)
+    for k in range(3):
+        p = _rim_point(tip, axis, deep, radius, k)
+        _put_touch(slot + 1 + k, _socket_point(p, b, socket, to), to)
+    for k in range(2):
+        # The edge of the bore, then that of the chamfer, on the side to which the cylinder leans.
+        depth = -socket[2] if k == 0 else zero
+        wide = socket[0] if k == 0 else socket[0] + socket[2]
+        to_plane = (depth - centre[0]) / select(axis[0] < -_STEEP, axis[0], -_STEEP)
+        crossing = plus(centre, times(axis, to_plane))
+        lean = rim_direction((zero, crossing[1], crossing[2]), (zero + 1.0, zero, zero))
+        edge = plus((depth, zero, zero), times(lean, wide))
+        normal, distance, along = to_line(edge, centre, axis)
+        gap = select(abs(along) <= half, distance - radius, 2.0 * MARGIN_M)
+        world = plus(three(to.centre, b, 0), rotate(to.turned, b, edge))
+        _put_touch(slot + 4 + k, (world, rotate(to.turned, b, normal), gap), to)
+
+
+@njit(cache=True, error_model="numpy")
+def _socket_point(
+    p: Vector, b: int, socket: Vector, to: Touches
+) -> tuple[Vector, Vector, float]:
+    normal, gap = point_socket(p, socket)
+    world = plus(three(to.centre, b, 0), rotate(to.turned, b, p))
+    return world, rotate(to.turned, b, normal), gap

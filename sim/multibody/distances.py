@@ -1,0 +1,202 @@
+"""Distances between primitives: where two shapes touch, how far apart they are, in which direction.
+
+A touch is a point in the world, the unit normal that pushes the first shape away from the second,
+and the gap along it [m], negative where they overlap. Every degenerate direction (a point on the
+axis of a hole, at the centre of a box) has a fixed choice. There are no branches on numbers, so the
+functions serve one pair or, with `numerics.lanes`, eight of them.
+"""
+
+from numba import njit
+
+from seamark.sim.multibody.vectors import (
+    Vector,
+    across,
+    choose,
+    clamped,
+    cross,
+    dot,
+    larger,
+    minus,
+    plus,
+    times,
+    unit_or,
+)
+from seamark.sim.numerics.lanes import like, select, sqrt
+
+Touch = tuple[Vector, Vector, float]
+_TINY = 1e-12  # [m] lengths below it have no direction
+_BISECTIONS = 20  # of a segment of 1 m: within 1 um
+_NO_DIRECTION = 1e-6
+_SQRT_HALF = 0.7071067811865476
+_NEARLY_PARALLEL = 0.01  # squared sine of the angle below which two segments touch at two points
+
+
+@njit(cache=True, error_model="numpy")
+def point_box(p: Vector, half: Vector) -> tuple[Vector, float]:
+    """Return normal and signed distance of a point to a box around the origin, in the box's axes.
+
+    Inside, the nearest face counts.
+    """
+    x, y, z = p
+    zero = like(x, 0.0)
+    sx, sy, sz = (
+        select(x < 0.0, zero - 1.0, zero + 1.0),
+        select(y < 0.0, zero - 1.0, zero + 1.0),
+        select(z < 0.0, zero - 1.0, zero + 1.0),
+    )
+    qx, qy, qz = abs(x) - half[0], abs(y) - half[1], abs(z) - half[2]
+    by_x = (qx >= qy) & (qx >= qz)
+    by_y = qy >= qz
+    face = choose(
+        by_x, (sx, zero, zero), choose(by_y, (zero, sy, zero), (zero, zero, sz))
+    )
+    deepest = larger(larger(qx, qy), qz)
+    out = (sx * larger(qx, zero), sy * larger(qy, zero), sz * larger(qz, zero))
+    away = sqrt(dot(out, out))
+    outside = away > _TINY
+    normal = choose(outside, times(out, 1.0 / select(outside, away, 1.0)), face)
+    return normal, select(outside, away, deepest)
+
+
+@njit(cache=True, error_model="numpy")
+def nearest_on_segment(middle: Vector, along: Vector, half: Vector) -> float:
+    """Return where the segment middle ± along is nearest to a box around the origin: -1 to 1.
+
+    The slope of the squared distance grows along the segment, so its sign is bisected.
+    """
+    low = like(middle[0], -1.0)
+    high = like(middle[0], 1.0)
+    for _ in range(_BISECTIONS):
+        t = 0.5 * (low + high)
+        p = plus(middle, times(along, t))
+        beyond = (
+            p[0] - clamped(p[0], -half[0], half[0]),
+            p[1] - clamped(p[1], -half[1], half[1]),
+            p[2] - clamped(p[2], -half[2], half[2]),
+        )
+        slope = dot(beyond, along)
+        falls = slope < 0.0
+        low, high = select(falls, t, low), select(falls, high, t)
+    return 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def segments(
+    a: Vector, along_a: Vector, b: Vector, along_b: Vector
+) -> tuple[float, float, float, float, bool]:
+    """Return where two segments a ± along_a and b ± along_b are nearest to each other.
+
+    Returns
+    -------
+    s, t : float
+        Share of `along_a` and of `along_b`, from -1 to 1 (Ericson 2005, 5.1.9). If they are nearly
+        parallel, those of the first end of their common stretch on a.
+    s2, t2 : float
+        Those of the other end.
+    parallel : bool
+        Whether they are nearly parallel and have a common stretch.
+    """
+    zero = like(a[0], 0.0)
+    between = minus(a, b)
+    aa, bb, ab = dot(along_a, along_a), dot(along_b, along_b), dot(along_a, along_b)
+    ca, cb = dot(along_a, between), dot(along_b, between)
+    long_a, long_b = aa > _TINY * _TINY, bb > _TINY * _TINY
+    safe_a, safe_b = select(long_a, aa, 1.0), select(long_b, bb, 1.0)
+    spread = aa * bb - ab * ab
+    crossing = spread > _NEARLY_PARALLEL * aa * bb
+    one = zero + 1.0
+    s = clamped((ab * cb - ca * bb) / select(crossing, spread, one), -one, one)
+    s = select(crossing, s, zero)
+    t = (ab * s + cb) / safe_b
+    t = select(long_b, clamped(t, -one, one), zero)
+    s = select(long_a, clamped((ab * t - ca) / safe_a, -one, one), zero)
+    # Nearly parallel: the ends of b on a, cut to a.
+    first = clamped((-ab - ca) / safe_a, -one, one)
+    last = clamped((ab - ca) / safe_a, -one, one)
+    apart = select(first < last, last - first, first - last)
+    parallel = long_a & long_b & (spread <= _NEARLY_PARALLEL * aa * bb) & (apart > 1e-3)
+    t_first = clamped((ab * first + cb) / safe_b, -one, one)
+    t_last = clamped((ab * last + cb) / safe_b, -one, one)
+    return (
+        select(parallel, first, s),
+        select(parallel, t_first, t),
+        select(parallel, last, s),
+        select(parallel, t_last, t),
+        parallel,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def spheres(a: Vector, radius_a: float, b: Vector, radius_b: float) -> Touch:
+    """Return the touch of two spheres; concentric ones are pushed up (NED)."""
+    zero = like(a[0], 0.0)
+    apart = minus(a, b)
+    distance = sqrt(dot(apart, apart))
+    normal = unit_or(apart, (zero, zero, zero - 1.0), _TINY)
+    gap = distance - (radius_a + radius_b)
+    return plus(b, times(normal, radius_b + 0.5 * gap)), normal, gap
+
+
+@njit(cache=True, error_model="numpy")
+def point_socket(p: Vector, socket: Vector) -> tuple[Vector, float]:
+    """Return normal and signed distance of a point to a wall with a hole, in the socket's axes.
+
+    The wall's face is x = 0, x points out of it, and the axis of the hole is x. A point on the axis
+    that touches the bore is pushed along -y.
+
+    Parameters
+    ----------
+    socket : three floats [m]
+        Radius of the hole, its depth, and width of the chamfer at 45 degrees at its mouth.
+    """
+    radius, depth, chamfer = socket
+    x, y, z = p
+    zero = like(x, 0.0)
+    one = zero + 1.0
+    off = sqrt(y * y + z * z)
+    centred = off <= _TINY
+    y, z = select(centred, one, y), select(centred, zero, z)
+    off_or_one = select(centred, one, off)
+    y, z = y / off_or_one, z / off_or_one
+    bore, cone = radius - off, (x + (radius + chamfer - off)) * _SQRT_HALF
+    floor = x + depth
+    wall = larger(larger(x, bore), cone)
+    normal = choose(
+        (x >= bore) & (x >= cone),
+        (one, zero, zero),
+        choose(
+            bore >= cone,
+            (zero, -y, -z),
+            (_SQRT_HALF * one, -_SQRT_HALF * y, -_SQRT_HALF * z),
+        ),
+    )
+    by_floor = floor < wall
+    return choose(by_floor, (one, zero, zero), normal), select(by_floor, floor, wall)
+
+
+@njit(cache=True, error_model="numpy")
+def to_line(p: Vector, a: Vector, axis: Vector) -> tuple[Vector, float, float]:
+    """Return how a point lies beside the line through a along a unit vector.
+
+    Returns
+    -------
+    normal : Vector
+        From the point to the line; of a point on the line, a fixed one across it.
+    distance, along : float [m]
+        From the line; of the foot of the perpendicular from a.
+    """
+    from_a = minus(p, a)
+    along = dot(from_a, axis)
+    beside = minus(times(axis, along), from_a)
+    distance = sqrt(dot(beside, beside))
+    return unit_or(beside, across(axis), _TINY), distance, along
+
+
+@njit(cache=True, error_model="numpy")
+def rim_direction(wanted: Vector, axis: Vector) -> Vector:
+    """Return the unit vector across an axis that is nearest to a direction; a fixed one for none.
+
+    Directions within 1e-6 rad of the axis are none: from them rounding would choose.
+    """
+    flat = minus(wanted, times(axis, dot(wanted, axis)))
+    return unit_or(flat, across(axis), _NO_DIRECTION)

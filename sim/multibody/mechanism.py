@@ -1,0 +1,371 @@
+"""Mechanisms: links, joints, motors and shapes as they are described, and as compiled code reads them."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from seamark.sim.multibody import contacts, solver, tree
+from seamark.sim.multibody.contacts import SLOTS, Shapes, touches_for
+from seamark.sim.multibody.solver import Impulses, Rows, Solving
+from seamark.sim.multibody.step import Command, Model, State, Thrusters, Work
+from seamark.sim.multibody.tree import WORLD, Links, Structure, frames_for
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.libm import exp
+
+Point = tuple[float, float, float]
+_JOINTS = {"free": tree.FREE, "revolute": tree.REVOLUTE, "prismatic": tree.PRISMATIC}
+_KINDS = {
+    "capsule": contacts.CAPSULE,
+    "box": contacts.BOX,
+    "cylinder": contacts.CYLINDER,
+    "ground": contacts.GROUND,
+    "socket": contacts.SOCKET,
+}
+UNTURNED = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+CONTACT_STIFFNESS = 1e7  # [N/m] E: 0.02 mm deep in a fast drop
+
+
+def _zeros() -> Array:
+    return np.zeros((6, 6))
+
+
+@dataclass(slots=True, kw_only=True)
+class Link:
+    """A rigid part: twists and wrenches are about its origin in its axes, linear before angular.
+
+    `turn` and `offset` [m] place it in its parent, or in the world, at coordinate zero; the `axis`
+    of its joint is in its own axes. `rigid` and `added` are (6, 6) [kg, kg m, kg m²]; `moment`
+    [N m] is weight times centre of gravity minus buoyancy times centre of buoyancy. Drag is that of
+    the point `centre`.
+    """
+
+    name: str
+    parent: str | None = None
+    joint: Literal["free", "revolute", "prismatic"] = "free"
+    offset: Point = (0.0, 0.0, 0.0)
+    turn: Sequence[Sequence[float]] = UNTURNED
+    axis: Point = (0.0, 0.0, 1.0)
+    rigid: Array = field(default_factory=_zeros)
+    added: Array = field(default_factory=_zeros)
+    rotor: float = 0.0
+    net_weight: float = 0.0
+    moment: Point = (0.0, 0.0, 0.0)
+    linear: Sequence[float] = (0.0,) * 6
+    quadratic: Sequence[float] = (0.0,) * 6
+    centre: Point = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motor:
+    """It drives a joint at the commanded speed with at most this effort [N m or N]."""
+
+    link: str
+    effort: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Friction:
+    """Coulomb friction of a joint [N m or N]: to break away, and in motion."""
+
+    link: str
+    resting: float
+    sliding: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """Range of a joint [rad or m], with stops of this stiffness [N m/rad or N/m]."""
+
+    link: str
+    low: float
+    high: float
+    stiffness: float = 1e5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coupling:
+    """A joint that follows another one: coordinate = ratio * other's coordinate."""
+
+    link: str
+    other: str
+    ratio: float
+    stiffness: float = 1e6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """A primitive on a link, or in the world; see `contacts.Shapes` for its size."""
+
+    name: str
+    kind: Literal["capsule", "box", "cylinder", "ground", "socket"]
+    link: str | None = None
+    place: Point = (0.0, 0.0, 0.0)
+    turn: Sequence[Sequence[float]] = UNTURNED
+    size: Point = (0.0, 0.0, 0.0)
+    friction: float = 0.5
+
+
+@dataclass(slots=True, kw_only=True)
+class Mechanism:
+    """A description; `model` makes it ready to move.
+
+    `pairs` name the shapes that may touch. `allocation` (6, m) is of thrusters on the first link,
+    whose time constant is `lag_s`.
+    """
+
+    links: list[Link]
+    motors: list[Motor] = field(default_factory=list)
+    frictions: list[Friction] = field(default_factory=list)
+    limits: list[Limits] = field(default_factory=list)
+    couplings: list[Coupling] = field(default_factory=list)
+    shapes: list[Shape] = field(default_factory=list)
+    pairs: list[tuple[str, str]] = field(default_factory=list)
+    allocation: Array = field(default_factory=lambda: np.zeros((6, 0)))
+    lag_s: float = 0.1
+
+    def model(self, step_s: float) -> Model:
+        """Return the mechanism as compiled code reads it."""
+        structure = self._structure()
+        return Model(
+            structure=structure,
+            links=self._links(),
+            shapes=self._shapes(),
+            rows=self._rows(structure),
+            thrusters=Thrusters(
+                allocation=np.ascontiguousarray(self.allocation, dtype=np.float64),
+                lag=np.array([1.0 - exp(-step_s / self.lag_s)]),
+            ),
+        )
+
+    def number(self, name: str | None) -> int:
+        """Return the number of a link, or WORLD."""
+        if name is None:
+            return WORLD
+        return next(i for i, link in enumerate(self.links) if link.name == name)
+
+    def _structure(self) -> Structure:
+        parent = [self.number(link.parent) for link in self.links]
+        joint = [_JOINTS[link.joint] for link in self.links]
+        coordinate, speed, root, above, owner = [], [], [], [], []
+        coordinates = 0
+        for i, link in enumerate(self.links):
+            coordinate.append(coordinates)
+            speed.append(len(above))
+            root.append(i if parent[i] == WORLD else root[parent[i]])
+            free = link.joint == "free"
+            coordinates += tree.FREE_COORDINATES if free else 1
+            for k in range(tree.FREE_SPEEDS if free else 1):
+                if k > 0:
+                    above.append(len(above) - 1)
+                elif parent[i] == WORLD:
+                    above.append(-1)
+                else:
+                    up = parent[i]
+                    above.append(speed[up] + (5 if joint[up] == tree.FREE else 0))
+                owner.append(i)
+        return Structure(*map(_integers, (parent, joint, coordinate, speed, root, above, owner)))
+
+    def _links(self) -> Links:
+        parts = self.links
+        return Links(
+            axis=np.array([link.axis for link in parts], dtype=np.float64),
+            offset=np.array([link.offset for link in parts], dtype=np.float64),
+            turn=np.array([link.turn for link in parts], dtype=np.float64),
+            mass=np.array([link.rigid + link.added for link in parts]),
+            added=np.array([link.added for link in parts]),
+            rotor=np.array([link.rotor for link in parts], dtype=np.float64),
+            net_weight=np.array([link.net_weight for link in parts], dtype=np.float64),
+            moment=np.array([link.moment for link in parts], dtype=np.float64),
+            linear=np.array([link.linear for link in parts], dtype=np.float64),
+            quadratic=np.array([link.quadratic for link in parts], dtype=np.float64),
+            centre=np.array([link.centre for link in parts], dtype=np.float64),
+        )
+
+    def _shape_number(self, name: str) -> int:
+        return next(i for i, shape in enumerate(self.shapes) if shape.name == name)
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        """Return the pairs, each in the order that SLOTS knows."""
+        ordered = []
+        for names in self.pairs:
+            a, b = map(self._shape_number, names)
+            kinds = _KINDS[self.shapes[a].kind], _KINDS[self.shapes[b].kind]
+            if kinds not in SLOTS:
+                a, b, kinds = b, a, kinds[::-1]
+            if kinds not in SLOTS:
+                raise ValueError(f"no contact between these shapes is known: {names}")
+            ordered.append((a, b))
+        return ordered
+
+    def _shapes(self) -> Shapes:
+        shapes, pairs = self.shapes, self._pairs()
+        slots = [0]
+        for a, b in pairs:
+            slots.append(slots[-1] + SLOTS[_KINDS[shapes[a].kind], _KINDS[shapes[b].kind]])
+        return Shapes(
+            kind=_integers([_KINDS[shape.kind] for shape in shapes]),
+            link=_integers([self.number(shape.link) for shape in shapes]),
+            first=_integers([a for a, _ in pairs]),
+            second=_integers([b for _, b in pairs]),
+            slot=_integers(slots),
+            place=np.array([shape.place for shape in shapes], dtype=np.float64).reshape(-1, 3),
+            turn=np.array([shape.turn for shape in shapes], dtype=np.float64).reshape(-1, 3, 3),
+            size=np.array([shape.size for shape in shapes], dtype=np.float64).reshape(-1, 3),
+            reach=np.array([_reach(shape) for shape in shapes], dtype=np.float64),
+        )
+
+    def _rows(self, structure: Structure) -> Rows:
+        places: list[tuple[int, int, int, int, float]] = []
+
+        def place(link: str, other: str | None = None, ratio: float = 0.0) -> int:
+            i = self.number(link)
+            j = self.number(other)
+            entry = (
+                int(structure.speed[i]),
+                -1 if other is None else int(structure.speed[j]),
+                int(structure.coordinate[i]),
+                0 if other is None else int(structure.coordinate[j]),
+                ratio,
+            )
+            if entry not in places:
+                places.append(entry)
+            return places.index(entry)
+
+        entries: list[tuple[int, int, int, float, float, float]] = []
+        for k, motor in enumerate(self.motors):
+            entries.append((solver.MOTOR, place(motor.link), k, motor.effort, 0.0, 1.0))
+        for part in self.frictions:
+            entries.append(
+                (solver.FRICTION, place(part.link), 0, part.resting, part.sliding, 1.0)
+            )
+        for limit in self.limits:
+            at = place(limit.link)
+            entries.append((solver.LOWER, at, 0, limit.low, 0.0, limit.stiffness))
+            entries.append((solver.UPPER, at, 0, limit.high, 0.0, limit.stiffness))
+        for tie in self.couplings:
+            at = place(tie.link, tie.other, tie.ratio)
+            entries.append((solver.COUPLING, at, 0, 0.0, 0.0, tie.stiffness))
+        lists: list[list[tuple[int, int]]] = []
+        for speed, other, *_ in places:
+            both = set(_chain(speed, structure)) | set(_chain(other, structure))
+            lists.append([(i, 1) for i in sorted(both, reverse=True)])
+        pairs = self._pairs()
+        for a, b in pairs:
+            ends = [self.number(self.shapes[k].link) for k in (a, b)]
+            first, second = (set(_chain_of(end, structure)) for end in ends)
+            lists.append(
+                [
+                    (i, (i in first) - (i in second))
+                    for i in sorted(first | second, reverse=True)
+                ]
+            )
+        starts = np.cumsum([0, *map(len, lists)])
+        flat = [entry for each in lists for entry in each]
+        columns = list(zip(*entries, strict=True)) or [()] * 6
+        spots = list(zip(*places, strict=True)) or [()] * 5
+        friction = [
+            float(np.sqrt(self.shapes[a].friction * self.shapes[b].friction)) for a, b in pairs
+        ]
+        return Rows(
+            kind=_integers(columns[0]),
+            place=_integers(columns[1]),
+            motor=_integers(columns[2]),
+            speed=_integers(spots[0]),
+            other=_integers(spots[1]),
+            coordinate=_integers(spots[2]),
+            other_coordinate=_integers(spots[3]),
+            chain=_integers([i for i, _ in flat]),
+            chain_first=_integers(starts),
+            side=_integers([side for _, side in flat]),
+            ratio=np.array(spots[4], dtype=np.float64),
+            most=np.array(columns[3], dtype=np.float64),
+            sliding=np.array(columns[4], dtype=np.float64),
+            stiffness=np.array(columns[5], dtype=np.float64),
+            friction=np.array(friction, dtype=np.float64),
+            spring=np.full(len(pairs), CONTACT_STIFFNESS),
+        )
+
+
+def _integers(values: Sequence[int]) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    return np.array(values, dtype=np.int64)
+
+
+def _chain(speed: int, structure: Structure) -> Iterator[int]:
+    """Yield a degree of freedom and those above it."""
+    while speed >= 0:
+        yield speed
+        speed = int(structure.above[speed])
+
+
+def _chain_of(link: int, structure: Structure) -> Iterator[int]:
+    """Yield the degrees of freedom that move a link."""
+    if link != WORLD:
+        last = 5 if structure.joint[link] == tree.FREE else 0
+        yield from _chain(int(structure.speed[link]) + last, structure)
+
+
+def _reach(shape: Shape) -> float:
+    a, b, c = shape.size
+    if shape.kind == "capsule":
+        return a + b
+    if shape.kind == "cylinder":
+        return float(np.sqrt(a * a + b * b))
+    if shape.kind == "box":
+        return float(np.sqrt(a * a + b * b + c * c))
+    return float("inf")
+
+
+def state_for(model: Model, lanes: tuple[int, ...] = ()) -> State:
+    """Return a state at rest: coordinates are zero, quaternions the identity."""
+    structure = model.structure
+    free = structure.joint == tree.FREE
+    count = int(np.where(free, tree.FREE_COORDINATES, 1).sum())
+    q = np.zeros((count, *lanes))
+    for at in structure.coordinate[free]:
+        q[at + 3] = 1.0
+    return State(
+        q=q,
+        v=np.zeros((len(structure.above), *lanes)),
+        thrust=np.zeros((model.thrusters.allocation.shape[1], *lanes)),
+        impulses=Impulses(
+            joint=np.zeros((len(model.rows.kind), *lanes)),
+            contact=np.zeros((max(1, int(model.shapes.slot[-1])), 3, *lanes)),
+        ),
+    )
+
+
+def command_for(model: Model, lanes: tuple[int, ...] = ()) -> Command:
+    """Return a command of zeros."""
+    motors = int((model.rows.kind == solver.MOTOR).sum())
+    return Command(
+        thrust=np.zeros((model.thrusters.allocation.shape[1], *lanes)),
+        speed=np.zeros((max(1, motors), *lanes)),
+    )
+
+
+def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
+    """Return the memory that a thread needs to move a mechanism, or lanes of them."""
+    n, rows = len(model.structure.above), model.rows
+    slots = max(1, int(model.shapes.slot[-1]))
+    lengths = np.diff(rows.chain_first)
+    longest = int(max(lengths, default=1)) or 1
+    places = len(rows.speed)
+    sizes = Solving(
+        w=(n,), x=(n,), basis=(places, longest), basis_size=(places,), wanted=(len(rows.kind),),
+        low=(len(rows.kind),), high=(len(rows.kind),), soft=(len(rows.kind),), across=(slots, 6),
+        row=(3 * slots, longest), size=(slots, 2), aim=(slots, 2), used=(slots,), pair_of=(slots,),
+    )  # fmt: skip
+    integers = {"used", "pair_of"}
+    solving = {
+        name: np.zeros(size, np.int64) if name in integers else np.zeros((*size, *lanes))
+        for name, size in sizes._asdict().items()
+    }
+    return Work(
+        frames=frames_for(len(model.structure.parent), n, lanes),
+        touches=touches_for(max(1, len(model.shapes.kind)), slots, lanes),
+        solving=Solving(**solving),
+        wrench=np.zeros((6, *lanes)),
+        x=np.zeros((n, *lanes)),
+    )

@@ -1,0 +1,373 @@
+"""The impulses of a step: motors, gear friction, limits of joints, contacts with friction.
+
+Every one is a row: the speed J v that an impulse changes, the range of the impulse, the speed that
+is wanted. Projected Gauss-Seidel goes through the rows a fixed number of times, beginning with the
+impulses of the last step. Contacts are springs with dampers that are integrated implicitly, so they
+may be stiff; friction is the disc |f| <= mu n, without a spring, so nothing creeps that is held.
+
+Speeds are kept as w = D^(1/2) L v with the factors of `tree.factorise`. The rows are J L^-1
+D^(-1/2), which have numbers only for the degrees of freedom on the way to the root.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.multibody.contacts import MARGIN_M, Shapes, Touches
+from seamark.sim.multibody.tree import FREE, PRISMATIC, Frames, Structure
+from seamark.sim.multibody.vectors import (
+    Vector,
+    across,
+    cross,
+    dot,
+    larger,
+    minus,
+    put,
+    smaller,
+    three,
+)
+from seamark.sim.numerics.arrays import Array, Integers
+from seamark.sim.numerics.lanes import like, select, some, sqrt
+
+MOTOR, FRICTION, LOWER, UPPER, COUPLING = 0, 1, 2, 3, 4
+
+
+class Rows(NamedTuple):
+    """r rows of joints in b places, and the degrees of freedom that rows and contacts move.
+
+    `chain` are lists in one array: of place j from `chain_first[j]` to `chain_first[j + 1]`, of
+    pair p from `chain_first[b + p]` on. Each runs from tips to root.
+    """
+
+    kind: Integers  # (r,)
+    place: Integers  # (r,) of the row
+    motor: Integers  # (r,) which command it follows
+    speed: Integers  # (b,) degree of freedom
+    other: Integers  # (b,) coupled degree of freedom, or -1
+    coordinate: Integers  # (b,) its coordinate
+    other_coordinate: Integers  # (b,)
+    chain: Integers
+    chain_first: Integers  # (b + m + 1,)
+    side: Integers  # as `chain`: 1 if it moves the first shape alone, -1 the second, 0 both
+    ratio: Array  # (b,) of the coupling: speed - ratio * other = 0
+    most: Array  # (r,) [N m or N] largest effort; coordinate of a limit [rad or m]
+    sliding: Array  # (r,) [N m or N] friction in motion
+    stiffness: Array  # (r,) of a limit or a coupling [N m/rad or N/m]
+    friction: Array  # (m,) coefficient of each pair
+    spring: Array  # (m,) [N/m] of each pair
+
+
+class Impulses(NamedTuple):
+    """What the solver keeps from step to step."""
+
+    joint: Array  # (r,) [N m s or N s]
+    contact: Array  # (s, 3) [N s] along normal, and two directions across it
+
+
+class Solving(NamedTuple):
+    """Memory of the solver."""
+
+    w: Array  # (n,)
+    x: Array  # (n,)
+    basis: Array  # (b, c) rows of joints
+    basis_size: Array  # (b,) their squared lengths
+    wanted: Array  # (r,) speed that the row tends to, negative
+    low: Array  # (r,) range of the impulse
+    high: Array  # (r,)
+    soft: Array  # (r,) compliance [rad/(N m s)]
+    across: Array  # (s, 6) two directions of friction
+    row: Array  # (3 s, c) rows of contacts
+    size: Array  # (s, 2) effective inverse masses: normal, friction
+    aim: Array  # (s, 2) speed that a contact tends to, negative; its compliance
+    used: Integers  # (s,) slots in use
+    pair_of: Integers  # (s,)
+
+
+STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
+RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _half_solve(
+    begin: int, end: int, structure: Structure, rows: Rows, frames: Frames, x: Array
+) -> None:
+    """Replace J by J L^-1 in x, (n,), on a chain; what follows multiplies by D^(-1/2)."""
+    for k in range(begin, end):
+        i = rows.chain[k]
+        j = structure.above[i]
+        while j >= 0:
+            x[j] -= frames.factor[i, j] * x[i]
+            j = structure.above[j]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _prepare_places(
+    structure: Structure, rows: Rows, frames: Frames, work: Solving
+) -> None:
+    x = work.x
+    for place in range(rows.speed.size):
+        begin, end = rows.chain_first[place], rows.chain_first[place + 1]
+        for k in range(begin, end):
+            x[rows.chain[k]] = 0.0
+        x[rows.speed[place]] = 1.0
+        if rows.other[place] >= 0:
+            x[rows.other[place]] = -rows.ratio[place]
+        _half_solve(begin, end, structure, rows, frames, x)
+        size = like(x[0], 0.0)
+        for k in range(begin, end):
+            i = rows.chain[k]
+            value = x[i] * frames.inverse_scale[i]
+            work.basis[place, k - begin] = value
+            size += value * value
+        work.basis_size[place] = size
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _prepare_joints(
+    rows: Rows, q: Array, v: Array, command: Array, step_s: float, impulses: Impulses, work: Solving
+) -> None:
+    infinite = np.inf
+    for r in range(rows.kind.size):
+        kind, place = rows.kind[r], rows.place[r]
+        most = rows.most[r]
+        zero = like(most, 0.0)
+        wanted, low, high, soft = zero, zero, zero, zero
+        at = rows.coordinate[place]
+        share, give = soft_row(rows.stiffness[r], step_s)
+        if kind == MOTOR:
+            wanted = -command[rows.motor[r]]
+            low, high = -step_s * most, step_s * most
+        elif kind == FRICTION:
+            resting = abs(v[rows.speed[place]]) < STICTION_SPEED
+            most = select(resting, most, rows.sliding[r])
+            low, high = -step_s * most, step_s * most
+        elif kind == COUPLING:
+            error = q[at] - rows.ratio[place] * q[rows.other_coordinate[place]]
+            wanted, soft = error * (share / step_s), give
+            low, high = zero - infinite, zero + infinite
+        else:
+            gap = q[at] - most if kind == LOWER else most - q[at]
+            free = gap > 0.0
+            aim = select(free, gap, gap * share) / step_s
+            soft = select(free, 0.0, give)
+            wanted = aim if kind == LOWER else -aim
+            low = zero if kind == LOWER else zero - infinite
+            high = zero + infinite if kind == LOWER else zero
+        work.wanted[r], work.low[r], work.high[r], work.soft[r] = wanted, low, high, soft
+        impulses.joint[r] = smaller(larger(impulses.joint[r], low), high)
+
+
+@njit(cache=True, error_model="numpy")
+def soft_row(stiffness: float, step_s: float) -> tuple[float, float]:
+    """Return share of an error that is taken back in a step, and compliance, of a spring and damper.
+
+    Force k (x + h v) + d v over a step h with d = k RELAXATION_S, as an impulse at the end of the
+    step: Catto 2011, Soft constraints.
+    """
+    return step_s / (step_s + RELAXATION_S), 1.0 / (step_s * stiffness * (step_s + RELAXATION_S))
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_row(
+    row: int,
+    chain: tuple[int, int],
+    direction: Vector,
+    point: Vector,
+    structure: Structure,
+    rows: Rows,
+    frames: Frames,
+    work: Solving,
+) -> float:
+    """Write the row of a contact in one direction; return its squared length."""
+    begin, end = chain
+    x = work.x
+    for k in range(begin, end):
+        i = rows.chain[k]
+        link = structure.link[i]
+        value = like(direction[0], 0.0)
+        if rows.side[k] != 0:
+            axis = three(frames.axis, i, 0)
+            kind = structure.joint[link]
+            if kind == PRISMATIC or (kind == FREE and i < structure.speed[link] + 3):
+                value = dot(axis, direction)
+            else:
+                arm = minus(point, three(frames.position, link, 0))
+                value = dot(cross(axis, arm), direction)
+            if rows.side[k] < 0:
+                value = -value
+        x[i] = value
+    _half_solve(begin, end, structure, rows, frames, x)
+    size = like(direction[0], 0.0)
+    for k in range(begin, end):
+        i = rows.chain[k]
+        value = x[i] * frames.inverse_scale[i]
+        work.row[row, k - begin] = value
+        size += value * value
+    return size
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _prepare_contacts(
+    structure: Structure,
+    shapes: Shapes,
+    rows: Rows,
+    step_s: float,
+    frames: Frames,
+    touches: Touches,
+    impulses: Impulses,
+    work: Solving,
+) -> int:
+    """Write the rows of all slots in use; return how many those are."""
+    count = 0
+    for pair in range(shapes.first.size):
+        last = shapes.slot[pair + 1]
+        chain = (
+            rows.chain_first[rows.speed.size + pair],
+            rows.chain_first[rows.speed.size + pair + 1],
+        )
+        for slot in range(shapes.slot[pair], last):
+            near = touches.gap[slot] < MARGIN_M
+            for a in range(3):
+                impulses.contact[slot, a] = select(near, impulses.contact[slot, a], 0.0)
+            if not some(near):
+                continue
+            work.used[count] = slot
+            work.pair_of[count] = pair
+            count += 1
+            point, normal = three(touches.point, slot, 0), three(touches.normal, slot, 0)
+            one = across(normal)
+            two = cross(normal, one)
+            put(work.across, slot, 0, one)
+            put(work.across, slot, 3, two)
+            a = _write_row(3 * slot, chain, normal, point, structure, rows, frames, work)
+            b = _write_row(3 * slot + 1, chain, one, point, structure, rows, frames, work)
+            c = _write_row(3 * slot + 2, chain, two, point, structure, rows, frames, work)
+            both = like(a, 0.0)
+            for k in range(chain[1] - chain[0]):
+                both += work.row[3 * slot + 1, k] * work.row[3 * slot + 2, k]
+            # Both directions of friction change together: the larger eigenvalue of their block.
+            half = 0.5 * (b - c)
+            gap = touches.gap[slot]
+            free = gap > 0.0
+            share, give = soft_row(rows.spring[pair], step_s)
+            soft = select(free, 0.0, give)
+            work.size[slot, 0] = a + soft
+            work.size[slot, 1] = 0.5 * (b + c) + sqrt(half * half + both * both)
+            work.aim[slot, 0] = select(free, gap, gap * share) / step_s
+            work.aim[slot, 1] = soft
+    return count
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _product(matrix: Array, row: int, chain: tuple[int, int], rows: Rows, w: Array) -> float:
+    value = like(w[0], 0.0)
+    for k in range(chain[0], chain[1]):
+        value += matrix[row, k - chain[0]] * w[rows.chain[k]]
+    return value
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _push(
+    matrix: Array, row: int, chain: tuple[int, int], impulse: float, rows: Rows, w: Array
+) -> None:
+    for k in range(chain[0], chain[1]):
+        w[rows.chain[k]] += matrix[row, k - chain[0]] * impulse
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
+    for r in range(rows.kind.size):
+        place = rows.place[r]
+        chain = (rows.chain_first[place], rows.chain_first[place + 1])
+        old, soft = impulses.joint[r], work.soft[r]
+        speed = _product(work.basis, place, chain, rows, work.w)
+        change = (speed + work.wanted[r]) + soft * old
+        new = old - change / (work.basis_size[place] + soft)
+        new = smaller(larger(new, work.low[r]), work.high[r])
+        impulses.joint[r] = new + 0.0
+        _push(work.basis, place, chain, new - old, rows, work.w)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _solve_contacts(count: int, rows: Rows, impulses: Impulses, work: Solving, near: Array) -> None:
+    for at in range(count):
+        slot, pair = work.used[at], work.pair_of[at]
+        list_ = rows.speed.size + pair
+        chain = (rows.chain_first[list_], rows.chain_first[list_ + 1])
+        touching = near[slot] < MARGIN_M
+        row = 3 * slot
+        old = impulses.contact[slot, 0]
+        speed = _product(work.row, row, chain, rows, work.w)
+        change = (speed + work.aim[slot, 0]) + work.aim[slot, 1] * old
+        new = larger(old - change / work.size[slot, 0], like(old, 0.0))
+        new = select(touching, new, 0.0)
+        impulses.contact[slot, 0] = new
+        _push(work.row, row, chain, new - old, rows, work.w)
+        # Friction across the normal.
+        most = rows.friction[pair] * new
+        a, b = impulses.contact[slot, 1], impulses.contact[slot, 2]
+        size = work.size[slot, 1]
+        x = a - _product(work.row, row + 1, chain, rows, work.w) / size
+        y = b - _product(work.row, row + 2, chain, rows, work.w) / size
+        length = sqrt(x * x + y * y)
+        slides = length > most
+        shorter = select(slides, most / select(slides, length, 1.0), 1.0)
+        x, y = select(touching, x * shorter, 0.0), select(touching, y * shorter, 0.0)
+        impulses.contact[slot, 1], impulses.contact[slot, 2] = x, y
+        _push(work.row, row + 1, chain, x - a, rows, work.w)
+        _push(work.row, row + 2, chain, y - b, rows, work.w)
+
+
+@njit(cache=True, error_model="numpy")
+def apply_impulses(
+    iterations: int,
+    step_s: float,
+    structure: Structure,
+    shapes: Shapes,
+    rows: Rows,
+    q: Array,
+    v: Array,
+    command: Array,
+    frames: Frames,
+    touches: Touches,
+    impulses: Impulses,
+    work: Solving,
+) -> None:
+    """Change the speeds v (n,) of the end of a step by all impulses.
+
+    `frames` hold the factors of the mass matrix, `touches` the contacts of the step's beginning.
+    """
+    w, above = work.w, structure.above
+    _prepare_places(structure, rows, frames, work)
+    _prepare_joints(rows, q, v, command, step_s, impulses, work)
+    count = _prepare_contacts(
+        structure, shapes, rows, step_s, frames, touches, impulses, work
+    )
+    for i in range(above.size):
+        value = v[i]
+        j = above[i]
+        while j >= 0:
+            value += frames.factor[i, j] * v[j]
+            j = above[j]
+        w[i] = frames.scale[i] * value
+    for r in range(rows.kind.size):
+        place = rows.place[r]
+        chain = (rows.chain_first[place], rows.chain_first[place + 1])
+        _push(work.basis, place, chain, impulses.joint[r], rows, w)
+    for at in range(count):
+        slot = work.used[at]
+        list_ = rows.speed.size + work.pair_of[at]
+        chain = (rows.chain_first[list_], rows.chain_first[list_ + 1])
+        for a in range(3):
+            _push(work.row, 3 * slot + a, chain, impulses.contact[slot, a], rows, w)
+    for _ in range(iterations):
+        _solve_joints(rows, impulses, work)
+        _solve_contacts(count, rows, impulses, work, touches.gap)
+    for i in range(above.size):
+        value = w[i] * frames.inverse_scale[i]
+        j = above[i]
+        while j >= 0:
+            value -= frames.factor[i, j] * v[j]
+            j = above[j]
+        v[i] = value + 0.0  # no -0.0: lanes without a contact add nothing to it, one mechanism skips it

@@ -1,0 +1,209 @@
+"""One step of a mechanism in water: semi-implicit, with all impulses at its end."""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from seamark.sim.multibody.contacts import Shapes, Touches, find_touches, place_shapes
+from seamark.sim.multibody.solver import Impulses, Rows, Solving, apply_impulses
+from seamark.sim.multibody.tree import (
+    FREE,
+    WORLD,
+    Frames,
+    Links,
+    Structure,
+    factorise,
+    place,
+    solve,
+    write_bias,
+    write_mass,
+)
+from seamark.sim.multibody.vectors import cross, put, rotate, rotate_back, three, times
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.lanes import like, sqrt
+from seamark.sim.physics.current import Segment, Water, flow, profile, segment_at
+from seamark.sim.physics.terrain import Mounds
+
+
+class Thrusters(NamedTuple):
+    """The thrusters of link 0."""
+
+    allocation: Array  # (6, m) wrench of each unit thrust about its origin
+    lag: Array  # (1,) share of a change of thrust that a step makes
+
+
+class Model(NamedTuple):
+    """What does not change while a mechanism moves."""
+
+    structure: Structure
+    links: Links
+    shapes: Shapes
+    rows: Rows
+    thrusters: Thrusters
+
+
+class State(NamedTuple):
+    """What changes: all that the next step depends on."""
+
+    q: Array  # (c,) coordinates [m, 1, rad]
+    v: Array  # (n,) speeds over ground; of a free link its twist in its own axes [m/s, rad/s]
+    thrust: Array  # (m,) [N]
+    impulses: Impulses
+
+
+class Command(NamedTuple):
+    """What is held over a step."""
+
+    thrust: Array  # (m,) [N] steady thrusts
+    speed: Array  # (a,) of each motor [rad/s or m/s]
+
+
+class Work(NamedTuple):
+    """Memory of one thread."""
+
+    frames: Frames
+    touches: Touches
+    solving: Solving
+    wrench: Array  # (6,)
+    x: Array  # (n,)
+
+
+@njit(cache=True, error_model="numpy")
+def advance(
+    first: int,
+    steps: int,
+    step_s: float,
+    iterations: int,
+    model: Model,
+    state: State,
+    command: Command,
+    water: Water,
+    ground: Mounds,
+    work: Work,
+) -> None:
+    """Advance one mechanism by steps of `step_s`; `first` were made since the level began."""
+    model, state, command = borrowed(model), borrowed(state), borrowed(command)
+    work = borrowed(work)
+    for done in range(steps):
+        t = (first + done) * step_s + 0.5 * step_s
+        segment = segment_at(t, water.drift)
+        take_step(t, step_s, iterations, model, state, command, (water, segment), ground, work)
+
+
+@njit(cache=True, error_model="numpy")
+def take_step(
+    middle: float,
+    step_s: float,
+    iterations: int,
+    model: Model,
+    state: State,
+    command: Command,
+    water_and_segment: tuple[Water, Segment],
+    ground: Mounds,
+    work: Work,
+) -> None:
+    """Advance a mechanism, or lanes of them, in place by one step around the time `middle` [s]."""
+    model, state, command = borrowed(model), borrowed(state), borrowed(command)
+    work = borrowed(work)
+    structure, frames = model.structure, work.frames
+    place(structure, model.links, state.q, frames)
+    _write_streams(middle, structure, water_and_segment, frames)
+    _write_push(model.thrusters, state.thrust, command.thrust, work.wrench)
+    write_bias(structure, model.links, state.v, work.wrench, frames)
+    write_mass(structure, model.links, frames)
+    factorise(structure, frames)
+    _move_freely(step_s, structure, state.v, frames, work.x)
+    place_shapes(model.shapes, frames, work.touches)
+    find_touches(model.shapes, ground, work.touches)
+    apply_impulses(
+        iterations,
+        step_s,
+        structure,
+        model.shapes,
+        model.rows,
+        state.q,
+        state.v,
+        command.speed,
+        frames,
+        work.touches,
+        state.impulses,
+        work.solving,
+    )
+    _move_coordinates(step_s, structure, state, frames)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_streams(
+    t: float, structure: Structure, water_and_segment: tuple[Water, Segment], frames: Frames
+) -> None:
+    """Write the water of each tree at the depth of its root; see `physics.dynamics`."""
+    water, segment = water_and_segment
+    x, y, rise_x, rise_y, _surge, _sway = flow(t, water, segment)
+    for i in range(structure.parent.size):
+        if structure.parent[i] != WORLD:
+            continue
+        share, slope = profile(frames.position[i, 2], water.shear, water.bottom, water.height)
+        frames.stream[i, 0], frames.stream[i, 1] = share * x, share * y
+        frames.stream[i, 2], frames.stream[i, 3] = share * rise_x, share * rise_y
+        frames.stream[i, 4], frames.stream[i, 5] = slope * x, slope * y
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_push(thrusters: Thrusters, thrust: Array, target: Array, wrench: Array) -> None:
+    """Let the thrusts follow their targets, and write their wrench, (6,)."""
+    for j in range(thrust.size):
+        thrust[j] += (target[j] - thrust[j]) * thrusters.lag[0]
+    for i in range(6):
+        push = like(wrench[0], 0.0)
+        for j in range(thrust.size):
+            push += thrusters.allocation[i, j] * thrust[j]
+        wrench[i] = push
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _move_freely(
+    step_s: float, structure: Structure, v: Array, frames: Frames, x: Array
+) -> None:
+    """Change the speeds by a step without motors, joint friction and contacts."""
+    for j in range(v.size):
+        x[j] = -frames.bias[j]
+    solve(structure, frames, x)
+    for i in range(structure.parent.size):
+        if structure.joint[i] != FREE:
+            continue
+        # Acceleration of the water in the link's turning axes.
+        at = structure.speed[i]
+        zero = like(frames.stream[i, 0], 0.0)
+        moving = rotate_back(frames.rotation, i, (frames.stream[i, 0], frames.stream[i, 1], zero))
+        rise = rotate_back(frames.rotation, i, (frames.stream[i, 2], frames.stream[i, 3], zero))
+        turning = cross((v[at + 3], v[at + 4], v[at + 5]), moving)
+        for a in range(3):
+            x[at + a] += rise[a] - turning[a]
+    for j in range(v.size):
+        v[j] += step_s * x[j]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _move_coordinates(step_s: float, structure: Structure, state: State, frames: Frames) -> None:
+    q, v = state.q, state.v
+    for i in range(structure.parent.size):
+        c, s = structure.coordinate[i], structure.speed[i]
+        if structure.joint[i] != FREE:
+            q[c] += step_s * v[s]
+            continue
+        way = rotate(frames.rotation, i, (v[s], v[s + 1], v[s + 2]))
+        for a in range(3):
+            q[c + a] += step_s * way[a]
+        # The half angle's tangent along the axis: tan x = x (1 + x²/3 + ...).
+        half = times((v[s + 3], v[s + 4], v[s + 5]), 0.5 * step_s)
+        size = half[0] * half[0] + half[1] * half[1] + half[2] * half[2]
+        a, b, d = times(half, 1.0 + size * (1.0 / 3.0))
+        w, x, y, z = q[c + 3], q[c + 4], q[c + 5], q[c + 6]
+        w_new = w - x * a - y * b - z * d
+        x_new = x + w * a + y * d - z * b
+        y_new = y + w * b + z * a - x * d
+        z_new = z + w * d + x * b - y * a
+        length = sqrt(w_new * w_new + x_new * x_new + y_new * y_new + z_new * z_new)
+        q[c + 3], q[c + 4] = w_new / length, x_new / length
+        q[c + 5], q[c + 6] = y_new / length, z_new / length

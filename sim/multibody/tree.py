@@ -1,0 +1,424 @@
+"""Dynamics of a forest of links in water: frames, bias forces, mass matrix and its factor.
+
+    H(q) v' + c(q, v) = tau
+
+Composite rigid bodies give H, recursive Newton-Euler gives c, and H is factored as L^T D L, which
+has no fill-in when a joint is eliminated before its ancestors (Featherstone 2008, ch. 5 to 8). Each
+link has a 6x6 mass of its own, rigid and added, which need not be a rigid body's. Twists are
+(linear, angular) of the link's origin in the link's axes (Fossen 2021), wrenches likewise.
+
+Everything is written in a frame that moves with the water, as in `physics.dynamics`: the world
+then moves with minus the current, so a link that is fixed to the world needs nothing special. If
+the water accelerates, the inertia force of that frame and the pressure gradient act like gravity in
+another direction.
+
+The functions work on one mechanism or, with `numerics.lanes`, on eight of the same structure.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.numerics.arrays import Array, Integers
+from seamark.sim.numerics.lanes import like, sqrt
+from seamark.sim.numerics.libm import sincos
+from seamark.sim.multibody.vectors import cross, dot, plus, put, rotate, rotate_back, three, Vector
+from seamark.sim.vehicles import STANDARD_GRAVITY
+
+FREE, REVOLUTE, PRISMATIC = 0, 1, 2
+WORLD = -1  # the parent of a link that hangs on nothing
+FREE_COORDINATES = 7  # position NED, quaternion w x y z
+FREE_SPEEDS = 6  # twist over ground
+
+
+class Structure(NamedTuple):
+    """What mechanisms that move side by side have in common: k links, n degrees of freedom.
+
+    Degrees of freedom are numbered from the root of a tree to its tips.
+    """
+
+    parent: Integers  # (k,) link, or WORLD
+    joint: Integers  # (k,) FREE, REVOLUTE or PRISMATIC
+    coordinate: Integers  # (k,) index of its first coordinate
+    speed: Integers  # (k,) index of its first degree of freedom
+    root: Integers  # (k,) the link of its tree that hangs on nothing
+    above: Integers  # (n,) the degree of freedom before it on the way to the root, or -1
+    link: Integers  # (n,) whose degree of freedom it is
+
+
+class Links(NamedTuple):
+    """The numbers of k links."""
+
+    axis: Array  # (k, 3) unit vector of the joint, in the link's axes
+    offset: Array  # (k, 3) [m] origin in the parent at coordinate zero
+    turn: Array  # (k, 3, 3) rotation to the parent's axes at coordinate zero
+    mass: Array  # (k, 6, 6) rigid and added [kg, kg m, kg m²]
+    added: Array  # (k, 6, 6) the added part
+    rotor: Array  # (k,) [kg m² or kg] inertia of the motor, as the joint feels it
+    net_weight: Array  # (k,) [N] weight minus buoyancy
+    moment: Array  # (k, 3) [N m] weight times its centre minus buoyancy times its centre
+    linear: Array  # (k, 6) drag [N s/m, N m s] about `centre`
+    quadratic: Array  # (k, 6) [N s²/m², N m s²]
+    centre: Array  # (k, 3) [m] the point of the link whose velocity gives the drag
+
+
+class Frames(NamedTuple):
+    """Where the links are and what moves them: written in each step."""
+
+    rotation: Array  # (k, 3, 3) to world axes
+    position: Array  # (k, 3) [m] NED
+    turned: Array  # (k, 3, 3) rotation to the parent's axes now
+    arm: Array  # (k, 3) [m] origin in the parent now
+    stream: Array  # (k, 6) of a root: water's velocity and acceleration x, y; change with depth x, y
+    twist: Array  # (k, 6) relative to the water
+    acceleration: Array  # (k, 6) of the twist but for that of the degrees of freedom
+    wrench: Array  # (k, 6) that the joint transmits to the link
+    composite: Array  # (k, 6, 6) mass of the link with all beyond it
+    block: Array  # (3, 3, 3) buffers
+    six: Array  # (4, 6) buffers
+    bias: Array  # (n,) c
+    factor: Array  # (n, n), see `factorise`
+    scale: Array  # (n,) square root of D
+    inverse_scale: Array  # (n,)
+    axis: Array  # (n, 3) world axis of the degree of freedom
+
+
+def frames_for(links: int, speeds: int, lanes: tuple[int, ...] = ()) -> Frames:
+    """Return the memory for a structure of this size; two threads need two."""
+    k, n = links, speeds
+    sizes = Frames(
+        rotation=(k, 3, 3), position=(k, 3), turned=(k, 3, 3), arm=(k, 3), stream=(k, 6),
+        twist=(k, 6), acceleration=(k, 6), wrench=(k, 6), composite=(k, 6, 6), block=(3, 3, 3),
+        six=(4, 6), bias=(n,), factor=(n, n), scale=(n,), inverse_scale=(n,), axis=(n, 3),
+    )  # fmt: skip
+    return Frames(*(np.zeros((*size, *lanes)) for size in sizes))
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _place_root(i: int, at: int, q: Array, to: Frames) -> None:
+    """Write the frame of a free link."""
+    w, x, y, z = q[at + 3], q[at + 4], q[at + 5], q[at + 6]
+    r = to.rotation
+    r[i, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    r[i, 0, 1] = 2.0 * (x * y - w * z)
+    r[i, 0, 2] = 2.0 * (x * z + w * y)
+    r[i, 1, 0] = 2.0 * (x * y + w * z)
+    r[i, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    r[i, 1, 2] = 2.0 * (y * z - w * x)
+    r[i, 2, 0] = 2.0 * (x * z - w * y)
+    r[i, 2, 1] = 2.0 * (y * z + w * x)
+    r[i, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    for a in range(3):
+        to.position[i, a] = q[at + a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _place_joint(i: int, at: int, structure: Structure, links: Links, q: Array, to: Frames) -> None:
+    """Write the frame of a joint's link, in its parent and in the world."""
+    parent = structure.parent[i]
+    axis = three(links.axis, i, 0)
+    offset = three(links.offset, i, 0)
+    if structure.joint[i] == REVOLUTE:
+        x, y, z = axis
+        s, c = sincos(q[at])
+        d = 1.0 - c
+        columns = (
+            (c + d * x * x, d * x * y + s * z, d * x * z - s * y),
+            (d * x * y - s * z, c + d * y * y, d * y * z + s * x),
+            (d * x * z + s * y, d * y * z - s * x, c + d * z * z),
+        )
+        for b in range(3):
+            column = rotate(links.turn, i, columns[b])
+            for a in range(3):
+                to.turned[i, a, b] = column[a]
+    else:
+        for a in range(3):
+            for b in range(3):
+                to.turned[i, a, b] = links.turn[i, a, b]
+        x, y, z = rotate(links.turn, i, axis)
+        offset = plus(offset, (q[at] * x, q[at] * y, q[at] * z))
+    put(to.arm, i, 0, offset)
+    if parent == WORLD:
+        put(to.position, i, 0, offset)
+        for a in range(3):
+            for b in range(3):
+                to.rotation[i, a, b] = to.turned[i, a, b]
+        return
+    put(to.position, i, 0, plus(three(to.position, parent, 0), rotate(to.rotation, parent, offset)))
+    for b in range(3):
+        turned = (to.turned[i, 0, b], to.turned[i, 1, b], to.turned[i, 2, b])
+        column = rotate(to.rotation, parent, turned)
+        for a in range(3):
+            to.rotation[i, a, b] = column[a]
+
+
+@njit(cache=True, error_model="numpy")
+def place(structure: Structure, links: Links, q: Array, to: Frames) -> None:
+    """Write the frames of all links at coordinates q, and the axes of the degrees of freedom."""
+    for i in range(structure.parent.size):
+        at, first = structure.coordinate[i], structure.speed[i]
+        if structure.joint[i] == FREE:
+            _place_root(i, at, q, to)
+            for j in range(3):
+                for a in range(3):
+                    to.axis[first + j, a] = to.rotation[i, a, j]
+                    to.axis[first + 3 + j, a] = to.rotation[i, a, j]
+        else:
+            _place_joint(i, at, structure, links, q, to)
+            put(to.axis, first, 0, rotate(to.rotation, i, three(links.axis, i, 0)))
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _move_root(i: int, first: int, v: Array, to: Frames) -> None:
+    water = (to.stream[i, 0], to.stream[i, 1], like(to.stream[i, 0], 0.0))
+    moving = rotate_back(to.rotation, i, water)
+    for a in range(3):
+        to.twist[i, a] = v[first + a] - moving[a]
+        to.twist[i, 3 + a] = v[first + 3 + a]
+        to.acceleration[i, a] = 0.0
+        to.acceleration[i, 3 + a] = 0.0
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _move_joint(i: int, speed: float, structure: Structure, links: Links, to: Frames) -> None:
+    parent, root = structure.parent[i], structure.root[i]
+    if parent == WORLD:
+        zero = like(speed, 0.0)
+        linear, rates = (-to.stream[root, 0], -to.stream[root, 1], zero), (zero, zero, zero)
+        pushed, turned = (-to.stream[root, 2], -to.stream[root, 3], zero), (zero, zero, zero)
+    else:
+        linear, rates = three(to.twist, parent, 0), three(to.twist, parent, 3)
+        pushed, turned = three(to.acceleration, parent, 0), three(to.acceleration, parent, 3)
+    arm = three(to.arm, i, 0)
+    linear = rotate_back(to.turned, i, plus(linear, cross(rates, arm)))
+    rates = rotate_back(to.turned, i, rates)
+    pushed = rotate_back(to.turned, i, plus(pushed, cross(turned, arm)))
+    turned = rotate_back(to.turned, i, turned)
+    x, y, z = three(links.axis, i, 0)
+    own = (speed * x, speed * y, speed * z)
+    # The axes turn with the link: Featherstone's v x S q'.
+    pushed_by_own = cross(rates, own)
+    if structure.joint[i] == REVOLUTE:
+        pushed = plus(pushed, cross(linear, own))
+        turned = plus(turned, pushed_by_own)
+        rates = plus(rates, own)
+    else:
+        pushed = plus(pushed, pushed_by_own)
+        linear = plus(linear, own)
+    put(to.twist, i, 0, linear)
+    put(to.twist, i, 3, rates)
+    put(to.acceleration, i, 0, pushed)
+    put(to.acceleration, i, 3, turned)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) -> None:
+    """Write the wrench that a link needs for its bias acceleration against water and weight."""
+    root = structure.root[i]
+    six = to.six
+    linear, rates = three(to.twist, i, 0), three(to.twist, i, 3)
+    # Momentum and force of the bias acceleration.
+    for a in range(6):
+        momentum, force = like(linear[0], 0.0), like(linear[0], 0.0)
+        for b in range(6):
+            momentum += links.mass[i, a, b] * to.twist[i, b]
+            force += links.mass[i, a, b] * to.acceleration[i, b]
+        six[0, a] = momentum
+        six[1, a] = force
+    push, spin = three(six, 0, 0), three(six, 0, 3)
+    force = plus(three(six, 1, 0), cross(rates, push))
+    torque = plus(three(six, 1, 3), plus(cross(rates, spin), cross(linear, push)))
+    centre = three(links.centre, i, 0)
+    past = plus(linear, cross(rates, centre))
+    drag = _drag(links.linear, links.quadratic, i, 0, past)
+    force = plus(force, drag)
+    torque = plus(torque, cross(centre, drag))
+    torque = plus(torque, _drag(links.linear, links.quadratic, i, 3, rates))
+    # Vertical motion through sheared flow: only the added mass feels it, see `physics.dynamics`.
+    zero = like(linear[0], 0.0)
+    sinking = dot((to.rotation[i, 2, 0], to.rotation[i, 2, 1], to.rotation[i, 2, 2]), linear)
+    shear = (sinking * to.stream[root, 4], sinking * to.stream[root, 5], zero)
+    sheared = rotate_back(to.rotation, i, shear)
+    for a in range(6):
+        six[2, a] = links.added[i, a, 0] * sheared[0] + (
+            links.added[i, a, 1] * sheared[1] + links.added[i, a, 2] * sheared[2]
+        )
+    # Weight and buoyancy along the apparent vertical.
+    tilt = -1.0 / STANDARD_GRAVITY
+    apparent = (tilt * to.stream[root, 2], tilt * to.stream[root, 3], like(zero, 1.0))
+    down = rotate_back(to.rotation, i, apparent)
+    turning = cross(three(links.moment, i, 0), down)
+    for a in range(3):
+        to.wrench[i, a] = (force[a] - six[2, a]) - links.net_weight[i] * down[a]
+        to.wrench[i, 3 + a] = (torque[a] - six[2, 3 + a]) - turning[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _drag(linear: Array, quadratic: Array, i: int, first: int, v: Vector) -> Vector:
+    """Return the drag of link i along three axes, as what the water takes from it."""
+    x, y, z = v
+    a, b = linear, quadratic
+    return (
+        (a[i, first] + b[i, first] * abs(x)) * x,
+        (a[i, first + 1] + b[i, first + 1] * abs(y)) * y,
+        (a[i, first + 2] + b[i, first + 2] * abs(z)) * z,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def write_bias(structure: Structure, links: Links, v: Array, push: Array, to: Frames) -> None:
+    """Write the bias forces c of all links at speeds v (n,); `place` has been called.
+
+    `push` (6,) is a wrench on link 0 about its origin, as that of its thrusters [N, N m].
+    """
+    for i in range(structure.parent.size):
+        first = structure.speed[i]
+        if structure.joint[i] == FREE:
+            _move_root(i, first, v, to)
+        else:
+            _move_joint(i, v[first], structure, links, to)
+        _write_own_wrench(i, structure, links, to)
+    for a in range(6):
+        to.wrench[0, a] -= push[a]
+    for i in range(structure.parent.size - 1, -1, -1):
+        first, parent = structure.speed[i], structure.parent[i]
+        if structure.joint[i] == FREE:
+            for a in range(6):
+                to.bias[first + a] = to.wrench[i, a]
+            continue
+        part = 3 if structure.joint[i] == REVOLUTE else 0
+        to.bias[first] = dot(three(links.axis, i, 0), three(to.wrench, i, part))
+        if parent != WORLD:
+            force = rotate(to.turned, i, three(to.wrench, i, 0))
+            torque = rotate(to.turned, i, three(to.wrench, i, 3))
+            torque = plus(torque, cross(three(to.arm, i, 0), force))
+            for a in range(3):
+                to.wrench[parent, a] += force[a]
+                to.wrench[parent, 3 + a] += torque[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _turn_block(i: int, at: int, rows: int, columns: int, to: Frames) -> None:
+    """Write a 3x3 block of link i's composite mass in its parent's axes to block `at`."""
+    block = to.block
+    for b in range(3):
+        part = (
+            to.composite[i, rows, columns + b],
+            to.composite[i, rows + 1, columns + b],
+            to.composite[i, rows + 2, columns + b],
+        )
+        column = rotate(to.turned, i, part)
+        for a in range(3):
+            block[at, a, b] = column[a]
+    for a in range(3):
+        row = rotate(to.turned, i, (block[at, a, 0], block[at, a, 1], block[at, a, 2]))
+        for b in range(3):
+            block[at, a, b] = row[b]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add_to_parent(i: int, parent: int, to: Frames) -> None:
+    """Add the composite mass of link i to its parent's."""
+    _turn_block(i, 0, 0, 0, to)
+    _turn_block(i, 1, 0, 3, to)
+    _turn_block(i, 2, 3, 3, to)
+    block, composite, arm = to.block, to.composite, three(to.arm, i, 0)
+    for a in range(3):
+        # Row a of the coupling block moves to the parent's origin: B - A [r]x.
+        row = cross((block[0, a, 0], block[0, a, 1], block[0, a, 2]), arm)
+        for b in range(3):
+            # [r]x B of the angular block needs B as it was, so its part comes first.
+            composite[parent, a, b] += block[0, a, b]
+            composite[parent, a, 3 + b] += block[1, a, b] - row[b]
+            composite[parent, 3 + b, a] += block[1, a, b] - row[b]
+    for b in range(3):
+        # Columns of C = B - A [r]x, then [r]x C - B^T [r]x + D.
+        moved = (
+            block[1, 0, b] - cross((block[0, 0, 0], block[0, 0, 1], block[0, 0, 2]), arm)[b],
+            block[1, 1, b] - cross((block[0, 1, 0], block[0, 1, 1], block[0, 1, 2]), arm)[b],
+            block[1, 2, b] - cross((block[0, 2, 0], block[0, 2, 1], block[0, 2, 2]), arm)[b],
+        )
+        column = cross(arm, moved)
+        for a in range(3):
+            back = cross((block[1, 0, a], block[1, 1, a], block[1, 2, a]), arm)
+            composite[parent, 3 + a, 3 + b] += (block[2, a, b] + column[a]) - back[b]
+
+
+@njit(cache=True, error_model="numpy")
+def write_mass(structure: Structure, links: Links, to: Frames) -> None:
+    """Write H to the lower triangle of `factor`, where a degree of freedom has those above it."""
+    count = structure.parent.size
+    for i in range(count):
+        for a in range(6):
+            for b in range(6):
+                to.composite[i, a, b] = links.mass[i, a, b]
+    for i in range(count - 1, -1, -1):
+        first = structure.speed[i]
+        if structure.joint[i] == FREE:
+            for a in range(6):
+                for b in range(a + 1):
+                    to.factor[first + a, first + b] = to.composite[i, a, b]
+            continue
+        part = 3 if structure.joint[i] == REVOLUTE else 0
+        x, y, z = three(links.axis, i, 0)
+        for a in range(6):
+            to.six[0, a] = to.composite[i, a, part] * x + (
+                to.composite[i, a, part + 1] * y + to.composite[i, a, part + 2] * z
+            )
+        own = dot(three(to.six, 0, part), (x, y, z))
+        to.factor[first, first] = own + links.rotor[i]
+        at = i
+        while structure.parent[at] != WORLD:
+            parent = structure.parent[at]
+            force = rotate(to.turned, at, three(to.six, 0, 0))
+            torque = rotate(to.turned, at, three(to.six, 0, 3))
+            torque = plus(torque, cross(three(to.arm, at, 0), force))
+            put(to.six, 0, 0, force)
+            put(to.six, 0, 3, torque)
+            at = parent
+            before = structure.speed[at]
+            if structure.joint[at] == FREE:
+                for a in range(6):
+                    to.factor[first, before + a] = to.six[0, a]
+            else:
+                side = 3 if structure.joint[at] == REVOLUTE else 0
+                axis = three(links.axis, at, 0)
+                to.factor[first, before] = dot(axis, three(to.six, 0, side))
+        if structure.parent[i] != WORLD:
+            _add_to_parent(i, structure.parent[i], to)
+
+
+@njit(cache=True, error_model="numpy")
+def factorise(structure: Structure, to: Frames) -> None:
+    """Replace H by its factors: H = L^T D L, L of unit diagonal; D's root goes to `scale`."""
+    above, h = structure.above, to.factor
+    for k in range(above.size - 1, -1, -1):
+        to.scale[k] = sqrt(h[k, k])
+        to.inverse_scale[k] = 1.0 / to.scale[k]
+        i = above[k]
+        while i >= 0:
+            share = h[k, i] / h[k, k]
+            j = i
+            while j >= 0:
+                h[i, j] -= share * h[k, j]
+                j = above[j]
+            h[k, i] = share
+            i = above[i]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def solve(structure: Structure, to: Frames, x: Array) -> None:
+    """Replace x by H^-1 x, (n,)."""
+    above, factor = structure.above, to.factor
+    for i in range(above.size - 1, -1, -1):
+        j = above[i]
+        while j >= 0:
+            x[j] -= factor[i, j] * x[i]
+            j = above[j]
+    for i in range(above.size):
+        x[i] = (x[i] * to.inverse_scale[i]) * to.inverse_scale[i]
+        j = above[i]
+        while j >= 0:
+            x[i] -= factor[i, j] * x[j]
+            j = above[j]
