@@ -14,9 +14,9 @@ ENV UV_PROJECT_ENVIRONMENT=/opt/seamark UV_COMPILE_BYTECODE=1 UV_NO_CACHE=1 \
 WORKDIR /src
 COPY pyproject.toml uv.lock ./
 COPY deploy/client/pyproject.toml deploy/client/
-RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --no-install-workspace
+RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --extra pybullet --no-install-workspace
 COPY . .
-RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --no-editable
+RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --extra pybullet --no-editable
 # For the processor of the machine that builds; on another one a worker compiles at its first start.
 RUN NUMBA_CACHE_DIR=/var/cache/seamark-code /opt/seamark/bin/python -c \
     'from seamark.sim.engine.warm_up import warm_up; warm_up()'

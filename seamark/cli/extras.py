@@ -14,12 +14,11 @@ import click
 
 from seamark.failures import UsageRefused
 
-# What `import` calls the packages of the extra in pyproject.toml that a service cannot do without,
-# and PyBullet: the runs of a service have contacts.
+# What `import` calls the packages of the extra in pyproject.toml that a service cannot do without.
 SERVER = (
     *("alembic", "argon2", "authlib", "celery", "flask", "flask_limiter", "flask_login"),
     *("flask_openapi3", "flask_wtf", "gunicorn", "markdown_it", "mcap_ros2", "obstore"),
-    *("prometheus_client", "psycopg", "pyarrow", "pybullet", "pygments", "redis", "requests"),
+    *("prometheus_client", "psycopg", "pyarrow", "pygments", "redis", "requests"),
     *("rosbags", "sqlalchemy", "structlog", "uvicorn", "uvicorn_worker", "websockets"),
 )
 

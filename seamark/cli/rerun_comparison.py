@@ -56,8 +56,18 @@ def of_software(there: Manifest, here: Mapping[str, Any]) -> list[str]:
         before, now = _short(there.code_sha256), _short(here["code_sha256"])
         lines.append(f"code of the simulator: {before} in the archive, {now} here")
     if there.contacts != here["contacts"]:
-        lines.append(f"contacts: {there.contacts} in the archive, {here['contacts']} here")
+        before, now = _engine(there.contacts), _engine(here["contacts"])
+        lines.append(
+            f"contacts: {before} in the archive, {now} here; a run that touched something differs"
+        )
     return lines
+
+
+def _engine(contacts: str) -> str:
+    """Return what a manifest says of contacts, in words."""
+    # Until 2026-11 PyBullet was the only engine, and "off" meant that it was not installed.
+    names = {"simulated": "computed by PyBullet", "pybullet": "computed by PyBullet"}
+    return (names | {"seamark": "computed by Seamark"}).get(contacts, contacts)
 
 
 def of_processor(there: Manifest, here: Mapping[str, Any]) -> list[str]:

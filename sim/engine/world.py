@@ -16,9 +16,11 @@ from seamark.sim.engine.perception import SensorNoises, SensorRecords
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.multibody.hull import Hull
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
+from seamark.sim.physics.bullet import BulletEngine
 from seamark.sim.physics.contact import Contact, TargetBox
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
@@ -177,7 +179,7 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
     vehicle = varied(nominal, trial.vehicle)
     centre = (target.north_m, target.east_m)
     bottom = Bottom(target.seabed_m, _relief(config, random), centre=centre)
-    contact = _contact(vehicle, bottom, target) if config.contact else None
+    contact = _contact(config, vehicle, bottom, target) if config.contact else None
     plant = Plant(
         vehicle,
         conditions.current,
@@ -304,7 +306,9 @@ def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams
     )
 
 
-def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
+def _contact(
+    config: ExperimentSettings, vehicle: Vehicle, bottom: Bottom, target: Target
+) -> Contact:
     """Return the contacts with the bottom and the target, which cannot be pushed away.
 
     An image is a function of the vehicle's pose alone, so the box stays where it is rendered.
@@ -316,7 +320,8 @@ def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
         size=(target.length_m, target.width_m, target.height_m),
         fixed=True,
     )
-    return Contact(vehicle, bottom, box=box)
+    engine = BulletEngine if config.contacts == "pybullet" else Hull
+    return Contact(vehicle, bottom, box=box, engine=engine)
 
 
 def _fault(config: ExperimentSettings) -> ThrusterFault | None:

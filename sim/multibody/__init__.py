@@ -1,1 +1,1 @@
-"""Bodies that are joined and touch: vehicles with arms, tools, objects; with the same bits everywhere."""
+"""Bodies that are joined and touch: vehicles with arms, tools and objects in water."""

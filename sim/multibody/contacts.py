@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
 from seamark.sim.multibody.distances import (
+    middle_of_passage,
     nearest_on_segment,
     point_box,
     point_socket,
@@ -14,6 +14,7 @@ from seamark.sim.multibody.distances import (
     spheres,
     to_line,
 )
+from seamark.sim.multibody.memory import zeros
 from seamark.sim.multibody.tree import WORLD, Frames
 from seamark.sim.multibody.vectors import (
     Vector,
@@ -42,7 +43,7 @@ SLOTS = {
     (CYLINDER, GROUND): 6,
     (CAPSULE, CAPSULE): 2,
     (CAPSULE, BOX): 3,
-    (BOX, BOX): 16,
+    (BOX, BOX): 40,
     (CYLINDER, SOCKET): 6,
 }
 MARGIN_M = 0.01  # a gap above it is no contact: more than shapes approach each other in a step
@@ -61,8 +62,12 @@ class Shapes(NamedTuple):
     slot: Integers  # (m,) first of its slots
     place: Array  # (k, 3) [m] centre in the link
     turn: Array  # (k, 3, 3) rotation to the link's axes
-    size: Array  # (k, 3) [m]: radius, half length; half lengths; radius, depth and chamfer of a hole
-    reach: Array  # (k,) [m] radius of the sphere around the centre that contains it; inf without end
+    size: (
+        Array  # (k, 3) [m]: radius, half length; half lengths; radius, depth and chamfer of a hole
+    )
+    reach: (
+        Array  # (k,) [m] radius of the sphere around the centre that contains it; inf without end
+    )
 
 
 class Touches(NamedTuple):
@@ -77,10 +82,14 @@ class Touches(NamedTuple):
 
 def touches_for(shapes: int, slots: int, lanes: tuple[int, ...] = ()) -> Touches:
     """Return the memory for so many shapes and slots."""
-    sizes = Touches(
-        centre=(shapes, 3), turned=(shapes, 3, 3), point=(slots, 3), normal=(slots, 3), gap=(slots,)
-    )
-    return Touches(*(np.zeros((*size, *lanes)) for size in sizes))
+    sizes = {
+        "centre": (shapes, 3),
+        "turned": (shapes, 3, 3),
+        "point": (slots, 3),
+        "normal": (slots, 3),
+        "gap": (slots,),
+    }
+    return zeros(Touches, sizes, lanes)
 
 
 @njit(cache=True, error_model="numpy")
@@ -123,21 +132,27 @@ def find_touches(shapes: Shapes, ground: Mounds, to: Touches) -> None:
     for pair in range(shapes.first.size):
         a, b, slot = shapes.first[pair], shapes.second[pair], shapes.slot[pair]
         if shapes.kind[b] == GROUND:
-            if some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > ground.depth - ground.height):
+            top = ground.depth - ground.height
+            if some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > top):
                 _touch_ground(a, slot, shapes, ground, to)
             continue
         apart = minus(three(to.centre, a, 0), three(to.centre, b, 0))
         reach = shapes.reach[a] + shapes.reach[b] + MARGIN_M
-        if not some(dot(apart, apart) < reach * reach):
-            continue
-        if shapes.kind[b] == CAPSULE:
-            _touch_capsules(a, b, slot, shapes, to)
-        elif shapes.kind[a] == CAPSULE:
-            _touch_capsule_box(a, b, slot, shapes, to)
-        elif shapes.kind[a] == BOX:
-            _touch_boxes(a, b, slot, shapes, to)
-        else:
-            _touch_socket(a, b, slot, shapes, to)
+        if some(dot(apart, apart) < reach * reach):
+            _touch_pair(a, b, slot, shapes, to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _touch_pair(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the contacts of two primitives, of kinds in an order of SLOTS."""
+    if shapes.kind[b] == CAPSULE:
+        _touch_capsules(a, b, slot, shapes, to)
+    elif shapes.kind[b] == SOCKET:
+        _touch_socket(a, b, slot, shapes, to)
+    elif shapes.kind[a] == CAPSULE:
+        _touch_capsule_box(a, b, slot, shapes, to)
+    else:
+        _touch_boxes(a, b, slot, shapes, to)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -242,24 +257,42 @@ def _sphere_box(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_boxes(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
-    """Write the touches of each one's corners with the other.
+    """Write the touches of each box's corners, and of edges that pass through, with the other."""
+    _touch_box(a, b, slot, 1.0, shapes, to)
+    _touch_box(b, a, slot + 20, -1.0, shapes, to)
 
-    An edge that crosses an edge without a corner inside is not seen.
-    """
-    zero = like(shapes.size[a, 0], 0.0)
+
+@njit(cache=True, error_model="numpy")
+def _touch_box(a: int, b: int, slot: int, sign: float, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of a's corners and edges with b; `sign` -1 if the normal pushes b."""
+    half = three(shapes.size, b, 0)
+    zero = like(half[0], 0.0)
     for corner in range(8):
-        p = minus(_corner(a, corner, shapes, to), three(to.centre, b, 0))
-        p = rotate_back(to.turned, b, p)
-        _put_touch(slot + corner, _sphere_box(p, zero, b, three(shapes.size, b, 0), to), to)
-        p = minus(_corner(b, corner, shapes, to), three(to.centre, a, 0))
-        p = rotate_back(to.turned, a, p)
-        point, normal, gap = _sphere_box(p, zero, a, three(shapes.size, a, 0), to)
-        _put_touch(slot + 8 + corner, (point, times(normal, -1.0), gap), to)
+        p = _corner_in(a, corner, b, shapes, to)
+        point, normal, gap = _sphere_box(p, zero, b, half, to)
+        _put_touch(slot + corner, (point, times(normal, sign), gap), to)
+    for edge in range(12):
+        # Its two corners differ in one bit, that of its axis.
+        axis, other = edge // 4, edge % 4
+        low = (other & ((1 << axis) - 1)) | ((other >> axis) << (axis + 1))
+        p = _corner_in(a, low, b, shapes, to)
+        q = _corner_in(a, low | (1 << axis), b, shapes, to)
+        share, inside = middle_of_passage(p, minus(q, p), half)
+        point, normal, gap = _sphere_box(plus(p, times(minus(q, p), share)), zero, b, half, to)
+        gap = select(inside, gap, 2.0 * MARGIN_M)
+        _put_touch(slot + 8 + edge, (point, times(normal, sign), gap), to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _corner_in(a: int, corner: int, b: int, shapes: Shapes, to: Touches) -> Vector:
+    """Return a corner of box a in the axes of box b."""
+    away = minus(_corner(a, corner, shapes, to), three(to.centre, b, 0))
+    return rotate_back(to.turned, b, away)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
-    """Write the touches of a cylinder and a hole, in the hole's axes: tip, rim, side at the mouth."""
+    """Write the touches of a cylinder and a hole: tip and hole, side and mouth."""
     radius, half = shapes.size[a, 0], shapes.size[a, 1]
     socket = three(shapes.size, b, 0)
     away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
@@ -290,9 +323,7 @@ def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> Non
 
 
 @njit(cache=True, error_model="numpy")
-def _socket_point(
-    p: Vector, b: int, socket: Vector, to: Touches
-) -> tuple[Vector, Vector, float]:
+def _socket_point(p: Vector, b: int, socket: Vector, to: Touches) -> tuple[Vector, Vector, float]:
     normal, gap = point_socket(p, socket)
     world = plus(three(to.centre, b, 0), rotate(to.turned, b, p))
     return world, rotate(to.turned, b, normal), gap

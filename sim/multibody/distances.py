@@ -13,7 +13,6 @@ from seamark.sim.multibody.vectors import (
     across,
     choose,
     clamped,
-    cross,
     dot,
     larger,
     minus,
@@ -47,9 +46,7 @@ def point_box(p: Vector, half: Vector) -> tuple[Vector, float]:
     qx, qy, qz = abs(x) - half[0], abs(y) - half[1], abs(z) - half[2]
     by_x = (qx >= qy) & (qx >= qz)
     by_y = qy >= qz
-    face = choose(
-        by_x, (sx, zero, zero), choose(by_y, (zero, sy, zero), (zero, zero, sz))
-    )
+    face = choose(by_x, (sx, zero, zero), choose(by_y, (zero, sy, zero), (zero, zero, sz)))
     deepest = larger(larger(qx, qy), qz)
     out = (sx * larger(qx, zero), sy * larger(qy, zero), sz * larger(qz, zero))
     away = sqrt(dot(out, out))
@@ -78,6 +75,31 @@ def nearest_on_segment(middle: Vector, along: Vector, half: Vector) -> float:
         falls = slope < 0.0
         low, high = select(falls, t, low), select(falls, high, t)
     return 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def middle_of_passage(p: Vector, along: Vector, half: Vector) -> tuple[float, bool]:
+    """Return the middle of what a box around the origin contains of a segment, p to p + along.
+
+    Returns
+    -------
+    share : float
+        From 0 to 1.
+    passes : bool
+        Whether the segment enters the box and leaves it: both ends are outside.
+    """
+    enters, leaves = like(p[0], -1.0), like(p[0], 2.0)
+    for i in range(3):
+        flat = abs(along[i]) < _TINY
+        slope = select(flat, 1.0, along[i])
+        one, two = (-half[i] - p[i]) / slope, (half[i] - p[i]) / slope
+        first, last = select(one < two, one, two), select(one < two, two, one)
+        outside = abs(p[i]) > half[i]
+        first = select(flat, select(outside, 3.0, like(slope, -1.0)), first)
+        last = select(flat, select(outside, -2.0, like(slope, 2.0)), last)
+        enters, leaves = larger(enters, first), select(leaves < last, leaves, last)
+    passes = (enters > 0.0) & (leaves < 1.0) & (enters < leaves)
+    return select(passes, 0.5 * (enters + leaves), 0.5), passes
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,4 +1,6 @@
-"""Mechanisms: links, joints, motors and shapes as they are described, and as compiled code reads them."""
+"""Mechanisms: links, joints, motors and shapes, and their numbers as compiled code reads them."""
+
+from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -8,10 +10,11 @@ import numpy as np
 
 from seamark.sim.multibody import contacts, solver, tree
 from seamark.sim.multibody.contacts import SLOTS, Shapes, touches_for
+from seamark.sim.multibody.memory import zeros
 from seamark.sim.multibody.solver import Impulses, Rows, Solving
 from seamark.sim.multibody.step import Command, Model, State, Thrusters, Work
 from seamark.sim.multibody.tree import WORLD, Links, Structure, frames_for
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.libm import exp
 
 Point = tuple[float, float, float]
@@ -148,7 +151,11 @@ class Mechanism:
     def _structure(self) -> Structure:
         parent = [self.number(link.parent) for link in self.links]
         joint = [_JOINTS[link.joint] for link in self.links]
-        coordinate, speed, root, above, owner = [], [], [], [], []
+        coordinate: list[int] = []
+        speed: list[int] = []
+        root: list[int] = []
+        above: list[int] = []
+        owner: list[int] = []
         coordinates = 0
         for i, link in enumerate(self.links):
             coordinate.append(coordinates)
@@ -216,79 +223,76 @@ class Mechanism:
             reach=np.array([_reach(shape) for shape in shapes], dtype=np.float64),
         )
 
-    def _rows(self, structure: Structure) -> Rows:
-        places: list[tuple[int, int, int, int, float]] = []
-
-        def place(link: str, other: str | None = None, ratio: float = 0.0) -> int:
-            i = self.number(link)
-            j = self.number(other)
-            entry = (
-                int(structure.speed[i]),
-                -1 if other is None else int(structure.speed[j]),
-                int(structure.coordinate[i]),
-                0 if other is None else int(structure.coordinate[j]),
-                ratio,
-            )
-            if entry not in places:
-                places.append(entry)
-            return places.index(entry)
-
-        entries: list[tuple[int, int, int, float, float, float]] = []
+    def _joint_rows(self) -> Iterator[_JointRow]:
         for k, motor in enumerate(self.motors):
-            entries.append((solver.MOTOR, place(motor.link), k, motor.effort, 0.0, 1.0))
+            yield _JointRow(solver.MOTOR, motor.link, motor=k, most=motor.effort)
         for part in self.frictions:
-            entries.append(
-                (solver.FRICTION, place(part.link), 0, part.resting, part.sliding, 1.0)
-            )
+            yield _JointRow(solver.FRICTION, part.link, most=part.resting, sliding=part.sliding)
         for limit in self.limits:
-            at = place(limit.link)
-            entries.append((solver.LOWER, at, 0, limit.low, 0.0, limit.stiffness))
-            entries.append((solver.UPPER, at, 0, limit.high, 0.0, limit.stiffness))
+            for kind, most in ((solver.LOWER, limit.low), (solver.UPPER, limit.high)):
+                yield _JointRow(kind, limit.link, most=most, stiffness=limit.stiffness)
         for tie in self.couplings:
-            at = place(tie.link, tie.other, tie.ratio)
-            entries.append((solver.COUPLING, at, 0, 0.0, 0.0, tie.stiffness))
-        lists: list[list[tuple[int, int]]] = []
-        for speed, other, *_ in places:
-            both = set(_chain(speed, structure)) | set(_chain(other, structure))
-            lists.append([(i, 1) for i in sorted(both, reverse=True)])
-        pairs = self._pairs()
-        for a, b in pairs:
-            ends = [self.number(self.shapes[k].link) for k in (a, b)]
-            first, second = (set(_chain_of(end, structure)) for end in ends)
-            lists.append(
-                [
-                    (i, (i in first) - (i in second))
-                    for i in sorted(first | second, reverse=True)
-                ]
+            yield _JointRow(
+                solver.COUPLING, tie.link, tie.other, ratio=tie.ratio, stiffness=tie.stiffness
             )
-        starts = np.cumsum([0, *map(len, lists)])
-        flat = [entry for each in lists for entry in each]
-        columns = list(zip(*entries, strict=True)) or [()] * 6
-        spots = list(zip(*places, strict=True)) or [()] * 5
-        friction = [
-            float(np.sqrt(self.shapes[a].friction * self.shapes[b].friction)) for a, b in pairs
-        ]
+
+    def _rows(self, structure: Structure) -> Rows:
+        entries = list(self._joint_rows())
+        places = list(dict.fromkeys((row.link, row.other, row.ratio) for row in entries))
+        links = [self.number(link) for link, _, _ in places]
+        others = [self.number(other) for _, other, _ in places]
+        lists = [self._place_chain(i, j, structure) for i, j in zip(links, others, strict=True)]
+        pairs = self._pairs()
+        lists += [self._pair_chain(a, b, structure) for a, b in pairs]
+        frictions = [self.shapes[a].friction * self.shapes[b].friction for a, b in pairs]
         return Rows(
-            kind=_integers(columns[0]),
-            place=_integers(columns[1]),
-            motor=_integers(columns[2]),
-            speed=_integers(spots[0]),
-            other=_integers(spots[1]),
-            coordinate=_integers(spots[2]),
-            other_coordinate=_integers(spots[3]),
-            chain=_integers([i for i, _ in flat]),
-            chain_first=_integers(starts),
-            side=_integers([side for _, side in flat]),
-            ratio=np.array(spots[4], dtype=np.float64),
-            most=np.array(columns[3], dtype=np.float64),
-            sliding=np.array(columns[4], dtype=np.float64),
-            stiffness=np.array(columns[5], dtype=np.float64),
-            friction=np.array(friction, dtype=np.float64),
+            kind=_integers([row.kind for row in entries]),
+            place=_integers([places.index((r.link, r.other, r.ratio)) for r in entries]),
+            motor=_integers([row.motor for row in entries]),
+            speed=_integers([structure.speed[i] for i in links]),
+            other=_integers([WORLD if i == WORLD else structure.speed[i] for i in others]),
+            coordinate=_integers([structure.coordinate[i] for i in links]),
+            other_coordinate=_integers([structure.coordinate[max(i, 0)] for i in others]),
+            chain=_integers([i for each in lists for i, _ in each]),
+            chain_first=_integers([sum(map(len, lists[:k])) for k in range(len(lists) + 1)]),
+            side=_integers([side for each in lists for _, side in each]),
+            ratio=np.array([ratio for _, _, ratio in places], dtype=np.float64),
+            most=np.array([row.most for row in entries], dtype=np.float64),
+            sliding=np.array([row.sliding for row in entries], dtype=np.float64),
+            stiffness=np.array([row.stiffness for row in entries], dtype=np.float64),
+            friction=np.sqrt(np.array(frictions, dtype=np.float64)),
             spring=np.full(len(pairs), CONTACT_STIFFNESS),
         )
 
+    def _place_chain(self, link: int, other: int, structure: Structure) -> list[tuple[int, int]]:
+        """Return the degrees of freedom that a row of joints feels."""
+        both = {*_chain_of(link, structure), *_chain_of(other, structure)}
+        return [(i, 1) for i in sorted(both, reverse=True)]
 
-def _integers(values: Sequence[int]) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    def _pair_chain(self, a: int, b: int, structure: Structure) -> list[tuple[int, int]]:
+        """Return the degrees of freedom that move two shapes, and which of the two."""
+        first, second = (
+            set(_chain_of(self.number(self.shapes[k].link), structure)) for k in (a, b)
+        )
+        ordered = sorted(first | second, reverse=True)
+        return [(i, (i in first) - (i in second)) for i in ordered]
+
+
+@dataclass(frozen=True, slots=True)
+class _JointRow:
+    """A row of the solver; see `solver.Rows`."""
+
+    kind: int
+    link: str
+    other: str | None = None
+    motor: int = 0
+    ratio: float = 0.0
+    most: float = 0.0
+    sliding: float = 0.0
+    stiffness: float = 1.0
+
+
+def _integers(values: Sequence[int]) -> Integers:
     return np.array(values, dtype=np.int64)
 
 
@@ -347,25 +351,30 @@ def command_for(model: Model, lanes: tuple[int, ...] = ()) -> Command:
 
 def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
     """Return the memory that a thread needs to move a mechanism, or lanes of them."""
-    n, rows = len(model.structure.above), model.rows
+    n, rows, joints = len(model.structure.above), model.rows, len(model.rows.kind)
     slots = max(1, int(model.shapes.slot[-1]))
     lengths = np.diff(rows.chain_first)
     longest = int(max(lengths, default=1)) or 1
     places = len(rows.speed)
-    sizes = Solving(
-        w=(n,), x=(n,), basis=(places, longest), basis_size=(places,), wanted=(len(rows.kind),),
-        low=(len(rows.kind),), high=(len(rows.kind),), soft=(len(rows.kind),), across=(slots, 6),
-        row=(3 * slots, longest), size=(slots, 2), aim=(slots, 2), used=(slots,), pair_of=(slots,),
-    )  # fmt: skip
-    integers = {"used", "pair_of"}
-    solving = {
-        name: np.zeros(size, np.int64) if name in integers else np.zeros((*size, *lanes))
-        for name, size in sizes._asdict().items()
+    sizes = {
+        "w": (n,),
+        "x": (n,),
+        "basis": (places, longest),
+        "basis_size": (places,),
+        "wanted": (joints,),
+        "low": (joints,),
+        "high": (joints,),
+        "soft": (joints,),
+        "across": (slots, 6),
+        "row": (3 * slots, longest),
+        "size": (slots, 2),
+        "aim": (slots, 2),
     }
+    integers = {"used": (slots,), "pair_of": (slots,)}
     return Work(
         frames=frames_for(len(model.structure.parent), n, lanes),
         touches=touches_for(max(1, len(model.shapes.kind)), slots, lanes),
-        solving=Solving(**solving),
+        solving=zeros(Solving, sizes, lanes, integers=integers),
         wrench=np.zeros((6, *lanes)),
         x=np.zeros((n, *lanes)),
     )

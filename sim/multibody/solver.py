@@ -65,6 +65,22 @@ class Impulses(NamedTuple):
     contact: Array  # (s, 3) [N s] along normal, and two directions across it
 
 
+class Constraints(NamedTuple):
+    """What ties links together: joints, shapes, and the impulses that act between them."""
+
+    structure: Structure
+    shapes: Shapes
+    rows: Rows
+    impulses: Impulses
+
+
+class Timing(NamedTuple):
+    """Length of a step [s], and how often the solver goes through its rows."""
+
+    step_s: float
+    iterations: int
+
+
 class Solving(NamedTuple):
     """Memory of the solver."""
 
@@ -89,6 +105,11 @@ RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _chain_of(place: int, rows: Rows) -> tuple[int, int]:
+    return rows.chain_first[place], rows.chain_first[place + 1]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _half_solve(
     begin: int, end: int, structure: Structure, rows: Rows, frames: Frames, x: Array
 ) -> None:
@@ -102,9 +123,7 @@ def _half_solve(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _prepare_places(
-    structure: Structure, rows: Rows, frames: Frames, work: Solving
-) -> None:
+def _prepare_places(structure: Structure, rows: Rows, frames: Frames, work: Solving) -> None:
     x = work.x
     for place in range(rows.speed.size):
         begin, end = rows.chain_first[place], rows.chain_first[place + 1]
@@ -125,8 +144,13 @@ def _prepare_places(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _prepare_joints(
-    rows: Rows, q: Array, v: Array, command: Array, step_s: float, impulses: Impulses, work: Solving
+    rows: Rows,
+    moving: tuple[Array, Array, Array],
+    step_s: float,
+    impulses: Impulses,
+    work: Solving,
 ) -> None:
+    q, v, command = moving
     infinite = np.inf
     for r in range(rows.kind.size):
         kind, place = rows.kind[r], rows.place[r]
@@ -160,7 +184,7 @@ def _prepare_joints(
 
 @njit(cache=True, error_model="numpy")
 def soft_row(stiffness: float, step_s: float) -> tuple[float, float]:
-    """Return share of an error that is taken back in a step, and compliance, of a spring and damper.
+    """Return the share of an error that a spring takes back in a step, and its compliance.
 
     Force k (x + h v) + d v over a step h with d = k RELAXATION_S, as an impulse at the end of the
     step: Catto 2011, Soft constraints.
@@ -174,12 +198,12 @@ def _write_row(
     chain: tuple[int, int],
     direction: Vector,
     point: Vector,
-    structure: Structure,
-    rows: Rows,
+    constraints: Constraints,
     frames: Frames,
     work: Solving,
 ) -> float:
     """Write the row of a contact in one direction; return its squared length."""
+    structure, rows = constraints.structure, constraints.rows
     begin, end = chain
     x = work.x
     for k in range(begin, end):
@@ -209,23 +233,14 @@ def _write_row(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _prepare_contacts(
-    structure: Structure,
-    shapes: Shapes,
-    rows: Rows,
-    step_s: float,
-    frames: Frames,
-    touches: Touches,
-    impulses: Impulses,
-    work: Solving,
+    constraints: Constraints, step_s: float, frames: Frames, touches: Touches, work: Solving
 ) -> int:
     """Write the rows of all slots in use; return how many those are."""
+    shapes, rows, impulses = constraints.shapes, constraints.rows, constraints.impulses
     count = 0
     for pair in range(shapes.first.size):
         last = shapes.slot[pair + 1]
-        chain = (
-            rows.chain_first[rows.speed.size + pair],
-            rows.chain_first[rows.speed.size + pair + 1],
-        )
+        chain = _chain_of(rows.speed.size + pair, rows)
         for slot in range(shapes.slot[pair], last):
             near = touches.gap[slot] < MARGIN_M
             for a in range(3):
@@ -240,20 +255,23 @@ def _prepare_contacts(
             two = cross(normal, one)
             put(work.across, slot, 0, one)
             put(work.across, slot, 3, two)
-            a = _write_row(3 * slot, chain, normal, point, structure, rows, frames, work)
-            b = _write_row(3 * slot + 1, chain, one, point, structure, rows, frames, work)
-            c = _write_row(3 * slot + 2, chain, two, point, structure, rows, frames, work)
-            both = like(a, 0.0)
+            lengths = (
+                _write_row(3 * slot, chain, normal, point, constraints, frames, work),
+                _write_row(3 * slot + 1, chain, one, point, constraints, frames, work),
+                _write_row(3 * slot + 2, chain, two, point, constraints, frames, work),
+            )
+            both = like(lengths[0], 0.0)
             for k in range(chain[1] - chain[0]):
                 both += work.row[3 * slot + 1, k] * work.row[3 * slot + 2, k]
             # Both directions of friction change together: the larger eigenvalue of their block.
-            half = 0.5 * (b - c)
+            half = 0.5 * (lengths[1] - lengths[2])
             gap = touches.gap[slot]
             free = gap > 0.0
             share, give = soft_row(rows.spring[pair], step_s)
             soft = select(free, 0.0, give)
-            work.size[slot, 0] = a + soft
-            work.size[slot, 1] = 0.5 * (b + c) + sqrt(half * half + both * both)
+            work.size[slot, 0] = lengths[0] + soft
+            mean = 0.5 * (lengths[1] + lengths[2])
+            work.size[slot, 1] = mean + sqrt(half * half + both * both)
             work.aim[slot, 0] = select(free, gap, gap * share) / step_s
             work.aim[slot, 1] = soft
     return count
@@ -279,7 +297,7 @@ def _push(
 def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
     for r in range(rows.kind.size):
         place = rows.place[r]
-        chain = (rows.chain_first[place], rows.chain_first[place + 1])
+        chain = _chain_of(place, rows)
         old, soft = impulses.joint[r], work.soft[r]
         speed = _product(work.basis, place, chain, rows, work.w)
         change = (speed + work.wanted[r]) + soft * old
@@ -293,8 +311,7 @@ def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
 def _solve_contacts(count: int, rows: Rows, impulses: Impulses, work: Solving, near: Array) -> None:
     for at in range(count):
         slot, pair = work.used[at], work.pair_of[at]
-        list_ = rows.speed.size + pair
-        chain = (rows.chain_first[list_], rows.chain_first[list_ + 1])
+        chain = _chain_of(rows.speed.size + pair, rows)
         touching = near[slot] < MARGIN_M
         row = 3 * slot
         old = impulses.contact[slot, 0]
@@ -319,31 +336,11 @@ def _solve_contacts(count: int, rows: Rows, impulses: Impulses, work: Solving, n
         _push(work.row, row + 2, chain, y - b, rows, work.w)
 
 
-@njit(cache=True, error_model="numpy")
-def apply_impulses(
-    iterations: int,
-    step_s: float,
-    structure: Structure,
-    shapes: Shapes,
-    rows: Rows,
-    q: Array,
-    v: Array,
-    command: Array,
-    frames: Frames,
-    touches: Touches,
-    impulses: Impulses,
-    work: Solving,
-) -> None:
-    """Change the speeds v (n,) of the end of a step by all impulses.
-
-    `frames` hold the factors of the mass matrix, `touches` the contacts of the step's beginning.
-    """
-    w, above = work.w, structure.above
-    _prepare_places(structure, rows, frames, work)
-    _prepare_joints(rows, q, v, command, step_s, impulses, work)
-    count = _prepare_contacts(
-        structure, shapes, rows, step_s, frames, touches, impulses, work
-    )
+@njit(cache=True, error_model="numpy", inline="always")
+def _begin(count: int, v: Array, constraints: Constraints, frames: Frames, work: Solving) -> None:
+    """Write w of the speeds v, and apply the impulses of the last step."""
+    above, rows, impulses = constraints.structure.above, constraints.rows, constraints.impulses
+    w = work.w
     for i in range(above.size):
         value = v[i]
         j = above[i]
@@ -353,21 +350,43 @@ def apply_impulses(
         w[i] = frames.scale[i] * value
     for r in range(rows.kind.size):
         place = rows.place[r]
-        chain = (rows.chain_first[place], rows.chain_first[place + 1])
-        _push(work.basis, place, chain, impulses.joint[r], rows, w)
+        _push(work.basis, place, _chain_of(place, rows), impulses.joint[r], rows, w)
     for at in range(count):
         slot = work.used[at]
-        list_ = rows.speed.size + work.pair_of[at]
-        chain = (rows.chain_first[list_], rows.chain_first[list_ + 1])
+        chain = _chain_of(rows.speed.size + work.pair_of[at], rows)
         for a in range(3):
             _push(work.row, 3 * slot + a, chain, impulses.contact[slot, a], rows, w)
-    for _ in range(iterations):
+
+
+@njit(cache=True, error_model="numpy")
+def apply_impulses(
+    timing: Timing,
+    constraints: Constraints,
+    q: Array,
+    v: Array,
+    command: Array,
+    frames: Frames,
+    touches: Touches,
+    work: Solving,
+) -> None:
+    """Change the speeds v (n,) of the end of a step by all impulses.
+
+    `frames` hold the factors of the mass matrix, `touches` the contacts of the step's beginning;
+    `command` are the motors' speeds.
+    """
+    structure, rows, impulses = constraints.structure, constraints.rows, constraints.impulses
+    _prepare_places(structure, rows, frames, work)
+    _prepare_joints(rows, (q, v, command), timing.step_s, impulses, work)
+    count = _prepare_contacts(constraints, timing.step_s, frames, touches, work)
+    _begin(count, v, constraints, frames, work)
+    for _ in range(timing.iterations):
         _solve_joints(rows, impulses, work)
         _solve_contacts(count, rows, impulses, work, touches.gap)
+    above = structure.above
     for i in range(above.size):
-        value = w[i] * frames.inverse_scale[i]
+        value = work.w[i] * frames.inverse_scale[i]
         j = above[i]
         while j >= 0:
             value -= frames.factor[i, j] * v[j]
             j = above[j]
-        v[i] = value + 0.0  # no -0.0: lanes without a contact add nothing to it, one mechanism skips it
+        v[i] = value + 0.0  # no -0.0: one mechanism skips a slot where lanes add zeros

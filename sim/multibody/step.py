@@ -5,7 +5,14 @@ from typing import NamedTuple
 from numba import njit
 
 from seamark.sim.multibody.contacts import Shapes, Touches, find_touches, place_shapes
-from seamark.sim.multibody.solver import Impulses, Rows, Solving, apply_impulses
+from seamark.sim.multibody.solver import (
+    Constraints,
+    Impulses,
+    Rows,
+    Solving,
+    Timing,
+    apply_impulses,
+)
 from seamark.sim.multibody.tree import (
     FREE,
     WORLD,
@@ -18,7 +25,7 @@ from seamark.sim.multibody.tree import (
     write_bias,
     write_mass,
 )
-from seamark.sim.multibody.vectors import cross, put, rotate, rotate_back, three, times
+from seamark.sim.multibody.vectors import cross, rotate, rotate_back, times
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import like, sqrt
@@ -71,10 +78,8 @@ class Work(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def advance(
-    first: int,
-    steps: int,
-    step_s: float,
-    iterations: int,
+    span: tuple[int, int],
+    timing: Timing,
     model: Model,
     state: State,
     command: Command,
@@ -82,20 +87,20 @@ def advance(
     ground: Mounds,
     work: Work,
 ) -> None:
-    """Advance one mechanism by steps of `step_s`; `first` were made since the level began."""
+    """Advance one mechanism; `span` is the number of steps since the level began, and to make."""
     model, state, command = borrowed(model), borrowed(state), borrowed(command)
     work = borrowed(work)
+    first, steps = span
     for done in range(steps):
-        t = (first + done) * step_s + 0.5 * step_s
+        t = (first + done) * timing.step_s + 0.5 * timing.step_s
         segment = segment_at(t, water.drift)
-        take_step(t, step_s, iterations, model, state, command, (water, segment), ground, work)
+        take_step(t, timing, model, state, command, (water, segment), ground, work)
 
 
 @njit(cache=True, error_model="numpy")
 def take_step(
     middle: float,
-    step_s: float,
-    iterations: int,
+    timing: Timing,
     model: Model,
     state: State,
     command: Command,
@@ -106,31 +111,21 @@ def take_step(
     """Advance a mechanism, or lanes of them, in place by one step around the time `middle` [s]."""
     model, state, command = borrowed(model), borrowed(state), borrowed(command)
     work = borrowed(work)
-    structure, frames = model.structure, work.frames
+    structure, frames, step_s = model.structure, work.frames, timing.step_s
     place(structure, model.links, state.q, frames)
     _write_streams(middle, structure, water_and_segment, frames)
     _write_push(model.thrusters, state.thrust, command.thrust, work.wrench)
     write_bias(structure, model.links, state.v, work.wrench, frames)
     write_mass(structure, model.links, frames)
     factorise(structure, frames)
-    _move_freely(step_s, structure, state.v, frames, work.x)
+    move_freely(step_s, structure, state.v, frames, work.x)
     place_shapes(model.shapes, frames, work.touches)
     find_touches(model.shapes, ground, work.touches)
+    constraints = Constraints(structure, model.shapes, model.rows, state.impulses)
     apply_impulses(
-        iterations,
-        step_s,
-        structure,
-        model.shapes,
-        model.rows,
-        state.q,
-        state.v,
-        command.speed,
-        frames,
-        work.touches,
-        state.impulses,
-        work.solving,
+        timing, constraints, state.q, state.v, command.speed, frames, work.touches, work.solving
     )
-    _move_coordinates(step_s, structure, state, frames)
+    move_coordinates(step_s, structure, state, frames)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -162,9 +157,7 @@ def _write_push(thrusters: Thrusters, thrust: Array, target: Array, wrench: Arra
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _move_freely(
-    step_s: float, structure: Structure, v: Array, frames: Frames, x: Array
-) -> None:
+def move_freely(step_s: float, structure: Structure, v: Array, frames: Frames, x: Array) -> None:
     """Change the speeds by a step without motors, joint friction and contacts."""
     for j in range(v.size):
         x[j] = -frames.bias[j]
@@ -185,7 +178,8 @@ def _move_freely(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _move_coordinates(step_s: float, structure: Structure, state: State, frames: Frames) -> None:
+def move_coordinates(step_s: float, structure: Structure, state: State, frames: Frames) -> None:
+    """Move the coordinates by a step at the speeds of its end."""
     q, v = state.q, state.v
     for i in range(structure.parent.size):
         c, s = structure.coordinate[i], structure.speed[i]
@@ -198,12 +192,12 @@ def _move_coordinates(step_s: float, structure: Structure, state: State, frames:
         # The half angle's tangent along the axis: tan x = x (1 + x²/3 + ...).
         half = times((v[s + 3], v[s + 4], v[s + 5]), 0.5 * step_s)
         size = half[0] * half[0] + half[1] * half[1] + half[2] * half[2]
-        a, b, d = times(half, 1.0 + size * (1.0 / 3.0))
+        turn_x, turn_y, turn_z = times(half, 1.0 + size * (1.0 / 3.0))
         w, x, y, z = q[c + 3], q[c + 4], q[c + 5], q[c + 6]
-        w_new = w - x * a - y * b - z * d
-        x_new = x + w * a + y * d - z * b
-        y_new = y + w * b + z * a - x * d
-        z_new = z + w * d + x * b - y * a
+        w_new = w - x * turn_x - y * turn_y - z * turn_z
+        x_new = x + w * turn_x + y * turn_z - z * turn_y
+        y_new = y + w * turn_y + z * turn_x - x * turn_z
+        z_new = z + w * turn_z + x * turn_y - y * turn_x
         length = sqrt(w_new * w_new + x_new * x_new + y_new * y_new + z_new * z_new)
         q[c + 3], q[c + 4] = w_new / length, x_new / length
         q[c + 5], q[c + 6] = y_new / length, z_new / length

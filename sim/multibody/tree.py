@@ -17,13 +17,24 @@ The functions work on one mechanism or, with `numerics.lanes`, on eight of the s
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
+from seamark.sim.multibody.memory import zeros
+from seamark.sim.multibody.vectors import (
+    Vector,
+    column,
+    cross,
+    dot,
+    plus,
+    put,
+    rotate,
+    rotate_back,
+    three,
+    times,
+)
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.lanes import like, sqrt
 from seamark.sim.numerics.libm import sincos
-from seamark.sim.multibody.vectors import cross, dot, plus, put, rotate, rotate_back, three, Vector
 from seamark.sim.vehicles import STANDARD_GRAVITY
 
 FREE, REVOLUTE, PRISMATIC = 0, 1, 2
@@ -70,13 +81,15 @@ class Frames(NamedTuple):
     position: Array  # (k, 3) [m] NED
     turned: Array  # (k, 3, 3) rotation to the parent's axes now
     arm: Array  # (k, 3) [m] origin in the parent now
-    stream: Array  # (k, 6) of a root: water's velocity and acceleration x, y; change with depth x, y
+    stream: (
+        Array  # (k, 6) of a root: water's velocity and acceleration x, y; change with depth x, y
+    )
     twist: Array  # (k, 6) relative to the water
     acceleration: Array  # (k, 6) of the twist but for that of the degrees of freedom
     wrench: Array  # (k, 6) that the joint transmits to the link
     composite: Array  # (k, 6, 6) mass of the link with all beyond it
     block: Array  # (3, 3, 3) buffers
-    six: Array  # (4, 6) buffers
+    six: Array  # (3, 6) buffers
     bias: Array  # (n,) c
     factor: Array  # (n, n), see `factorise`
     scale: Array  # (n,) square root of D
@@ -87,12 +100,25 @@ class Frames(NamedTuple):
 def frames_for(links: int, speeds: int, lanes: tuple[int, ...] = ()) -> Frames:
     """Return the memory for a structure of this size; two threads need two."""
     k, n = links, speeds
-    sizes = Frames(
-        rotation=(k, 3, 3), position=(k, 3), turned=(k, 3, 3), arm=(k, 3), stream=(k, 6),
-        twist=(k, 6), acceleration=(k, 6), wrench=(k, 6), composite=(k, 6, 6), block=(3, 3, 3),
-        six=(4, 6), bias=(n,), factor=(n, n), scale=(n,), inverse_scale=(n,), axis=(n, 3),
-    )  # fmt: skip
-    return Frames(*(np.zeros((*size, *lanes)) for size in sizes))
+    sizes = {
+        "rotation": (k, 3, 3),
+        "position": (k, 3),
+        "turned": (k, 3, 3),
+        "arm": (k, 3),
+        "stream": (k, 6),
+        "twist": (k, 6),
+        "acceleration": (k, 6),
+        "wrench": (k, 6),
+        "composite": (k, 6, 6),
+        "block": (3, 3, 3),
+        "six": (3, 6),
+        "bias": (n,),
+        "factor": (n, n),
+        "scale": (n,),
+        "inverse_scale": (n,),
+        "axis": (n, 3),
+    }
+    return zeros(Frames, sizes, lanes)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -114,43 +140,53 @@ def _place_root(i: int, at: int, q: Array, to: Frames) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _place_joint(i: int, at: int, structure: Structure, links: Links, q: Array, to: Frames) -> None:
-    """Write the frame of a joint's link, in its parent and in the world."""
-    parent = structure.parent[i]
-    axis = three(links.axis, i, 0)
-    offset = three(links.offset, i, 0)
-    if structure.joint[i] == REVOLUTE:
-        x, y, z = axis
-        s, c = sincos(q[at])
-        d = 1.0 - c
-        columns = (
-            (c + d * x * x, d * x * y + s * z, d * x * z - s * y),
-            (d * x * y - s * z, c + d * y * y, d * y * z + s * x),
-            (d * x * z + s * y, d * y * z - s * x, c + d * z * z),
-        )
-        for b in range(3):
-            column = rotate(links.turn, i, columns[b])
-            for a in range(3):
-                to.turned[i, a, b] = column[a]
-    else:
+def _turn_joint(i: int, angle: float, links: Links, to: Frames) -> None:
+    """Write the rotation of a revolute joint's link in its parent (Rodrigues)."""
+    x, y, z = three(links.axis, i, 0)
+    s, c = sincos(angle)
+    d = 1.0 - c
+    columns = (
+        (c + d * x * x, d * x * y + s * z, d * x * z - s * y),
+        (d * x * y - s * z, c + d * y * y, d * y * z + s * x),
+        (d * x * z + s * y, d * y * z - s * x, c + d * z * z),
+    )
+    for b in range(3):
+        turned = rotate(links.turn, i, columns[b])
         for a in range(3):
-            for b in range(3):
-                to.turned[i, a, b] = links.turn[i, a, b]
-        x, y, z = rotate(links.turn, i, axis)
-        offset = plus(offset, (q[at] * x, q[at] * y, q[at] * z))
-    put(to.arm, i, 0, offset)
+            to.turned[i, a, b] = turned[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _place_in_world(i: int, parent: int, offset: Vector, to: Frames) -> None:
+    """Write the world frame of a link whose frame in its parent is known."""
     if parent == WORLD:
         put(to.position, i, 0, offset)
         for a in range(3):
             for b in range(3):
                 to.rotation[i, a, b] = to.turned[i, a, b]
         return
-    put(to.position, i, 0, plus(three(to.position, parent, 0), rotate(to.rotation, parent, offset)))
+    there = rotate(to.rotation, parent, offset)
+    put(to.position, i, 0, plus(three(to.position, parent, 0), there))
     for b in range(3):
-        turned = (to.turned[i, 0, b], to.turned[i, 1, b], to.turned[i, 2, b])
-        column = rotate(to.rotation, parent, turned)
+        turned = rotate(to.rotation, parent, column(to.turned, i, b))
         for a in range(3):
-            to.rotation[i, a, b] = column[a]
+            to.rotation[i, a, b] = turned[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _place_joint(i: int, at: int, structure: Structure, links: Links, q: Array, to: Frames) -> None:
+    """Write the frame of a joint's link, in its parent and in the world."""
+    offset = three(links.offset, i, 0)
+    if structure.joint[i] == REVOLUTE:
+        _turn_joint(i, q[at], links, to)
+    else:
+        for a in range(3):
+            for b in range(3):
+                to.turned[i, a, b] = links.turn[i, a, b]
+        along = rotate(links.turn, i, three(links.axis, i, 0))
+        offset = plus(offset, times(along, q[at]))
+    put(to.arm, i, 0, offset)
+    _place_in_world(i, structure.parent[i], offset, to)
 
 
 @njit(cache=True, error_model="numpy")
@@ -220,12 +256,11 @@ def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) ->
     linear, rates = three(to.twist, i, 0), three(to.twist, i, 3)
     # Momentum and force of the bias acceleration.
     for a in range(6):
-        momentum, force = like(linear[0], 0.0), like(linear[0], 0.0)
+        six[0, a] = like(linear[0], 0.0)
+        six[1, a] = like(linear[0], 0.0)
         for b in range(6):
-            momentum += links.mass[i, a, b] * to.twist[i, b]
-            force += links.mass[i, a, b] * to.acceleration[i, b]
-        six[0, a] = momentum
-        six[1, a] = force
+            six[0, a] += links.mass[i, a, b] * to.twist[i, b]
+            six[1, a] += links.mass[i, a, b] * to.acceleration[i, b]
     push, spin = three(six, 0, 0), three(six, 0, 3)
     force = plus(three(six, 1, 0), cross(rates, push))
     torque = plus(three(six, 1, 3), plus(cross(rates, spin), cross(linear, push)))
@@ -266,6 +301,35 @@ def _drag(linear: Array, quadratic: Array, i: int, first: int, v: Vector) -> Vec
     )
 
 
+@njit(cache=True, error_model="numpy", inline="always")
+def _pass_wrench(i: int, structure: Structure, links: Links, to: Frames) -> None:
+    """Write the bias forces of a link's joint, and hand its wrench on to its parent."""
+    first, parent = structure.speed[i], structure.parent[i]
+    if structure.joint[i] == FREE:
+        for a in range(6):
+            to.bias[first + a] = to.wrench[i, a]
+        return
+    to.bias[first] = dot(three(links.axis, i, 0), three(to.wrench, i, _part(structure.joint[i])))
+    if parent != WORLD:
+        force, torque = _in_parent(i, three(to.wrench, i, 0), three(to.wrench, i, 3), to)
+        for a in range(3):
+            to.wrench[parent, a] += force[a]
+            to.wrench[parent, 3 + a] += torque[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _part(joint: int) -> int:
+    """Return where the half of a twist begins along which a joint moves."""
+    return 3 if joint == REVOLUTE else 0
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _in_parent(i: int, force: Vector, torque: Vector, to: Frames) -> tuple[Vector, Vector]:
+    """Return a wrench about the origin of link i about that of its parent, in its axes."""
+    force, torque = rotate(to.turned, i, force), rotate(to.turned, i, torque)
+    return force, plus(torque, cross(three(to.arm, i, 0), force))
+
+
 @njit(cache=True, error_model="numpy")
 def write_bias(structure: Structure, links: Links, v: Array, push: Array, to: Frames) -> None:
     """Write the bias forces c of all links at speeds v (n,); `place` has been called.
@@ -282,20 +346,7 @@ def write_bias(structure: Structure, links: Links, v: Array, push: Array, to: Fr
     for a in range(6):
         to.wrench[0, a] -= push[a]
     for i in range(structure.parent.size - 1, -1, -1):
-        first, parent = structure.speed[i], structure.parent[i]
-        if structure.joint[i] == FREE:
-            for a in range(6):
-                to.bias[first + a] = to.wrench[i, a]
-            continue
-        part = 3 if structure.joint[i] == REVOLUTE else 0
-        to.bias[first] = dot(three(links.axis, i, 0), three(to.wrench, i, part))
-        if parent != WORLD:
-            force = rotate(to.turned, i, three(to.wrench, i, 0))
-            torque = rotate(to.turned, i, three(to.wrench, i, 3))
-            torque = plus(torque, cross(three(to.arm, i, 0), force))
-            for a in range(3):
-                to.wrench[parent, a] += force[a]
-                to.wrench[parent, 3 + a] += torque[a]
+        _pass_wrench(i, structure, links, to)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -345,6 +396,31 @@ def _add_to_parent(i: int, parent: int, to: Frames) -> None:
             composite[parent, 3 + a, 3 + b] += (block[2, a, b] + column[a]) - back[b]
 
 
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_joint_mass(i: int, structure: Structure, links: Links, to: Frames) -> None:
+    """Write what links up to the root feel of the acceleration of a joint: its row of H."""
+    first, part = structure.speed[i], _part(structure.joint[i])
+    x, y, z = three(links.axis, i, 0)
+    for a in range(6):
+        to.six[0, a] = to.composite[i, a, part] * x + (
+            to.composite[i, a, part + 1] * y + to.composite[i, a, part + 2] * z
+        )
+    to.factor[first, first] = dot(three(to.six, 0, part), (x, y, z)) + links.rotor[i]
+    link = i
+    while structure.parent[link] != WORLD:
+        force, torque = _in_parent(link, three(to.six, 0, 0), three(to.six, 0, 3), to)
+        put(to.six, 0, 0, force)
+        put(to.six, 0, 3, torque)
+        link = structure.parent[link]
+        above = structure.speed[link]
+        if structure.joint[link] == FREE:
+            for a in range(6):
+                to.factor[first, above + a] = to.six[0, a]
+        else:
+            along = three(to.six, 0, _part(structure.joint[link]))
+            to.factor[first, above] = dot(three(links.axis, link, 0), along)
+
+
 @njit(cache=True, error_model="numpy")
 def write_mass(structure: Structure, links: Links, to: Frames) -> None:
     """Write H to the lower triangle of `factor`, where a degree of freedom has those above it."""
@@ -354,39 +430,19 @@ def write_mass(structure: Structure, links: Links, to: Frames) -> None:
             for b in range(6):
                 to.composite[i, a, b] = links.mass[i, a, b]
     for i in range(count - 1, -1, -1):
-        first = structure.speed[i]
         if structure.joint[i] == FREE:
-            for a in range(6):
-                for b in range(a + 1):
-                    to.factor[first + a, first + b] = to.composite[i, a, b]
+            _write_free_mass(i, structure.speed[i], to)
             continue
-        part = 3 if structure.joint[i] == REVOLUTE else 0
-        x, y, z = three(links.axis, i, 0)
-        for a in range(6):
-            to.six[0, a] = to.composite[i, a, part] * x + (
-                to.composite[i, a, part + 1] * y + to.composite[i, a, part + 2] * z
-            )
-        own = dot(three(to.six, 0, part), (x, y, z))
-        to.factor[first, first] = own + links.rotor[i]
-        at = i
-        while structure.parent[at] != WORLD:
-            parent = structure.parent[at]
-            force = rotate(to.turned, at, three(to.six, 0, 0))
-            torque = rotate(to.turned, at, three(to.six, 0, 3))
-            torque = plus(torque, cross(three(to.arm, at, 0), force))
-            put(to.six, 0, 0, force)
-            put(to.six, 0, 3, torque)
-            at = parent
-            before = structure.speed[at]
-            if structure.joint[at] == FREE:
-                for a in range(6):
-                    to.factor[first, before + a] = to.six[0, a]
-            else:
-                side = 3 if structure.joint[at] == REVOLUTE else 0
-                axis = three(links.axis, at, 0)
-                to.factor[first, before] = dot(axis, three(to.six, 0, side))
+        _write_joint_mass(i, structure, links, to)
         if structure.parent[i] != WORLD:
             _add_to_parent(i, structure.parent[i], to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_free_mass(i: int, first: int, to: Frames) -> None:
+    for a in range(6):
+        for b in range(a + 1):
+            to.factor[first + a, first + b] = to.composite[i, a, b]
 
 
 @njit(cache=True, error_model="numpy")

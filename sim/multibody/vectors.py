@@ -11,37 +11,37 @@ _OTHER_REFERENCE = (0.48, -0.6, 0.64)
 _PARALLEL = 0.01  # squared sine below which the other one is taken
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def dot(a: Vector, b: Vector) -> float:
     """Return a · b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def plus(a: Vector, b: Vector) -> Vector:
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def minus(a: Vector, b: Vector) -> Vector:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def times(a: Vector, factor: float) -> Vector:
     """Return a times a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def choose(condition: bool, a: Vector, b: Vector) -> Vector:
     """Return a where the condition holds and b elsewhere."""
     return (
@@ -51,25 +51,25 @@ def choose(condition: bool, a: Vector, b: Vector) -> Vector:
     )
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def larger(a: float, b: float) -> float:
     """Return the larger of two numbers; b if one is not a number."""
     return select(a > b, a, b)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def smaller(a: float, b: float) -> float:
     """Return the smaller of two numbers; b if one is not a number."""
     return select(a < b, a, b)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def clamped(x: float, low: float, high: float) -> float:
     """Return the number between two limits that is nearest to x."""
     return smaller(larger(x, low), high)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def unit_or(a: Vector, otherwise: Vector, least: float) -> Vector:
     """Return a with length 1, or another vector if its length is at most `least`."""
     length = sqrt(dot(a, a))
@@ -79,7 +79,7 @@ def unit_or(a: Vector, otherwise: Vector, least: float) -> Vector:
 
 @njit(cache=True, error_model="numpy")
 def across(normal: Vector) -> Vector:
-    """Return a unit vector across a unit vector: a fixed choice, which jumps where none can be lasting.
+    """Return a unit vector across a unit vector: a fixed choice.
 
     Every choice jumps in some direction (the hairy ball). This one does so on a small circle
     around an unlikely direction, since friction of the last step is kept in these axes.

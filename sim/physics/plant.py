@@ -10,7 +10,7 @@ import numpy as np
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.physics import constants
-from seamark.sim.physics.contact import Contact, add_impulse_at, lowest_point, world_motion
+from seamark.sim.physics.contact import Contact, lowest_point
 from seamark.sim.physics.current import Current, Water
 from seamark.sim.physics.dynamics import (
     RIGID,
@@ -201,7 +201,7 @@ def warm_up() -> None:
     vehicle = load("girona500")
     plant = Plant(vehicle, Current(0.1, rng=np.random.Generator(np.random.PCG64(0))))
     plant.reset(np.zeros(6))
-    forces, state, point = np.zeros(len(vehicle.thrusters)), plant.state, np.zeros(3)
+    forces, state = np.zeros(len(vehicle.thrusters)), plant.state
     plant.advance(0, forces, 1)
     plant.pose()
     plant.current_world()
@@ -210,8 +210,6 @@ def warm_up() -> None:
     command_from_thrust(1.0, plant.curve)
     thrust_from_command(0.5, plant.curve)
     lowest_point(state, np.zeros((1, 3)), np.zeros((1, 3)))
-    world_motion(state, state, point, np.zeros(9))
-    add_impulse_at(state, point, point, np.zeros(6))
     mounds = draw_relief(np.random.Generator(np.random.PCG64(0)), height_m=0.1, flat_m=0.5)
     bottom = Bottom(5.0, mounds)
     bottom.sound([0.0] * 6)

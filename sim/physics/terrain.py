@@ -116,6 +116,23 @@ class Bottom:
         """Return the least depth [m] of the bottom anywhere."""
         return self.depth_m - (self.relief.height_m if self.relief is not None else 0.0)
 
+    def ground(self) -> Mounds:
+        """Return the bottom for compiled code; a flat one has mounds of no height."""
+        if self._mounds is not None:
+            return self._mounds
+        return Mounds(
+            depth=float(self.depth_m),
+            height=0.0,
+            flat=REACH_M,
+            north=self.centre[0],
+            east=self.centre[1],
+            steepest=0.0,
+            waves=np.zeros((WAVES, 4)),
+            beam_side=0.0,
+            beam_down=1.0,
+            flattest=0.0,
+        )
+
     def sound(self, pose: Array | Sequence[float]) -> Sounding:
         """Return the result of the DVL's four beams at a pose, (6,) [m, rad].
 

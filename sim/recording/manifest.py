@@ -2,7 +2,6 @@
 
 import hashlib
 import importlib.metadata
-import importlib.util
 import platform
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -80,7 +79,7 @@ def manifest(
         "digest": digest,
         "code_sha256": code_sha256(),
         "versions": versions(),
-        "contacts": contacts(),
+        "contacts": contacts(config),
         "cpu": cpu_class(),
         "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
     } | more
@@ -110,9 +109,13 @@ def versions() -> dict[str, str]:
     return installed
 
 
-def contacts() -> str:
-    """Return whether touching the bottom or the target is simulated: "simulated" or "off"."""
-    return "off" if importlib.util.find_spec("pybullet") is None else "simulated"
+def contacts(config: Configuration) -> str:
+    """Return what computes contacts with the bottom and the target, or "off".
+
+    Until 2026-11 it was "simulated", which was by PyBullet, or "off" where that was not installed.
+    """
+    engine = getattr(config, "contact_engine", None)
+    return "off" if engine is None else str(engine())
 
 
 @cache

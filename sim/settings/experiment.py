@@ -4,6 +4,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
 from functools import partial
+from importlib.util import find_spec
 
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names, width_for
 from seamark.sim.registry import TRUTH, VEHICLES
@@ -77,6 +78,14 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         help="Whether the vehicle can collide with the seabed and the target, which does not move.",
         advanced=True,
     )
+    contacts: str = experiment_setting(
+        "seamark",
+        title="Contact engine",
+        help="Computes collisions: the simulator's own engine, or PyBullet to compare with (on "
+        "Python 3.11 alone; its last bits depend on the processor).",
+        choices={"seamark": "Seamark", "pybullet": "PyBullet"},
+        advanced=True,
+    )
     seabed_relief_m: float = experiment_setting(
         0.0,
         title="Seabed relief",
@@ -130,6 +139,11 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
             )
+        if self.contact_engine() == "pybullet" and find_spec("pybullet") is None:
+            errors["contacts"] = (
+                "contacts (Contact engine): PyBullet is not installed. It needs Python 3.11 and "
+                "`pip install seamark[pybullet]`; the simulator's own engine needs nothing."
+            )
         return errors | self._fault_errors() | self._image_errors() | super().cross_field_errors()
 
     def vehicles(self) -> tuple[str, ...]:
@@ -181,6 +195,14 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
                 f"not {self.start_error_px:g} px."
             )
         return errors
+
+    def exact(self) -> bool:
+        """Return whether every processor gives the same bits."""
+        return super().exact() and self.contact_engine() != "pybullet"
+
+    def contact_engine(self) -> str:
+        """Return what computes contacts, or "off"."""
+        return self.contacts if self.contact else "off"
 
     def ranking_errors(self) -> dict[str, str]:
         """Return setting -> message for what a ranked run does not allow."""

@@ -73,13 +73,6 @@ def _packages(_: Settings | None) -> Iterable[Check]:
         "Install Seamark again; in a checkout, `./run` does that.",
     )
     yield from _opencv()
-    without = missing(("pybullet",))
-    yield Check(
-        "contacts",
-        "warning" if without else "ok",
-        "off: PyBullet is not installed" if without else "computed by PyBullet",
-        "Use Python 3.11: PyBullet has wheels for no other version.",
-    )
 
 
 def _opencv() -> Iterable[Check]:

@@ -17,11 +17,6 @@ if TYPE_CHECKING:
     from seamark.programs.preparation import PreparedProgram
     from seamark.worker.ipc.outcomes import RunOutcome
 
-WITHOUT_CONTACTS = (
-    "Contacts are off, because PyBullet is not installed (it needs Python 3.11): a vehicle passes "
-    "through the bottom and the target. Runs that touch neither are not affected."
-)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalRun:
@@ -180,6 +175,7 @@ def report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_jso
     from seamark.cli.run_summary import custom_score, level_table
     from seamark.sandbox.printable_text import printable_text
     from seamark.sim.recording.manifest import contacts
+    from seamark.sim.registry import benchmark
 
     metrics = outcome.metrics or {}
     if as_json:
@@ -195,7 +191,7 @@ def report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_jso
                 "score": metrics.get("score"),
                 "own_score": metrics.get("own_score"),
                 "metrics": outcome.metrics,
-                "contacts": contacts(),
+                "contacts": contacts(benchmark(local_run.benchmark).read(local_run.config)),
                 "digest": outcome.digest,
                 "out": str(out) if out else None,
             }
@@ -210,8 +206,6 @@ def report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_jso
         click.echo(f"score   {metrics['score']:.4g}")
         for line in custom_score(metrics):
             click.echo(line)
-        if contacts() == "off":
-            click.echo(WITHOUT_CONTACTS, err=True)
     click.echo(f"digest  {outcome.digest}")
     if out is not None:
         click.echo(f"data    {out}")

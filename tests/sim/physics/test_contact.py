@@ -11,8 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.sim.multibody.hull import Hull
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.physics.contact import Contact, TargetBox, lowest_point
+from seamark.sim.physics.bullet import BulletEngine
+from seamark.sim.physics.contact import Contact, MakeEngine, TargetBox, lowest_point
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.plant import Plant
@@ -45,14 +47,28 @@ def momentum(plant: Plant) -> Array:
 class Listening(Contact):
     """A contact that remembers what it gave."""
 
-    def __init__(self, vehicle: Vehicle, bottom: Bottom, *, box: TargetBox | None = None) -> None:
-        super().__init__(vehicle, bottom, box=box)
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        bottom: Bottom,
+        *,
+        engine: MakeEngine,
+        box: TargetBox | None = None,
+    ) -> None:
+        super().__init__(vehicle, bottom, box=box, engine=engine)
         self.pushes: list[Array] = []
 
     def impulse(self, before: Array, after: Array, step_s: float) -> Array:
         push = super().impulse(before, after, step_s)
         self.pushes.append(push)
         return push
+
+
+@pytest.fixture(params=[Hull, BulletEngine])
+def engine(request: pytest.FixtureRequest) -> MakeEngine:
+    """Each of the engines: what contacts are does not depend on it."""
+    made: MakeEngine = request.param
+    return made
 
 
 @pytest.fixture
@@ -63,8 +79,8 @@ def heavy() -> Vehicle:
 
 
 @pytest.fixture
-def bottom(heavy: Vehicle) -> Iterator[Listening]:
-    contact = Listening(heavy, FLAT)
+def bottom(heavy: Vehicle, engine: MakeEngine) -> Iterator[Listening]:
+    contact = Listening(heavy, FLAT, engine=engine)
     yield contact
     contact.close()
 
@@ -84,11 +100,11 @@ def test_a_steady_force_of_fifty_newtons_reads_fifty_newtons(
     assert plant.pose()[2] == pytest.approx(SEABED_Z - 0.514, abs=0.01)
 
 
-def test_a_collision_conserves_momentum() -> None:
+def test_a_collision_conserves_momentum(engine: MakeEngine) -> None:
     vehicle = frictionless(load("girona500"))
     size = (0.42, 0.13, 0.13)
     floating = TargetBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
-    contact = Contact(vehicle, Bottom(100.0), box=floating)
+    contact = Contact(vehicle, Bottom(100.0), box=floating, engine=engine)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.reset(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.4
@@ -105,9 +121,9 @@ def test_a_collision_conserves_momentum() -> None:
     assert momentum(plant) + given == pytest.approx(before, abs=0.01 * before[0])
 
 
-def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
+def test_a_pushed_box_comes_to_rest_on_the_bottom(engine: MakeEngine) -> None:
     vehicle = load("girona500")
-    contact = Contact(vehicle, FLAT, box=BOX)
+    contact = Contact(vehicle, FLAT, box=BOX, engine=engine)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.reset(np.array([-1.1, 0.0, SEABED_Z - 0.55, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
@@ -122,9 +138,11 @@ def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
     assert asleep
 
 
-def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy: Vehicle) -> None:
+def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(
+    heavy: Vehicle, engine: MakeEngine
+) -> None:
     box = replace(BOX, fixed=True)
-    contact = Listening(heavy, FLAT, box=box)
+    contact = Listening(heavy, FLAT, box=box, engine=engine)
     plant = Plant(heavy, Current(0.0), contact=contact)
     plant.reset(np.array([0.049, 0.0, SEABED_Z - 0.13 - 0.53, 0.0, 0.0, 0.0]))
 
@@ -138,9 +156,9 @@ def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy
     assert not contact.awake
 
 
-def test_a_fixed_box_stops_a_vehicle_that_hits_it() -> None:
+def test_a_fixed_box_stops_a_vehicle_that_hits_it(engine: MakeEngine) -> None:
     vehicle = load("girona500")
-    contact = Contact(vehicle, FLAT, box=replace(BOX, fixed=True))
+    contact = Contact(vehicle, FLAT, box=replace(BOX, fixed=True), engine=engine)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.reset(np.array([-1.2, 0.0, SEABED_Z - 0.56, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
@@ -153,10 +171,10 @@ def test_a_fixed_box_stops_a_vehicle_that_hits_it() -> None:
     assert plant.velocity()[0] < 0.1
 
 
-def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
+def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle, engine: MakeEngine) -> None:
     states = []
     for _ in range(2):
-        contact = Contact(heavy, FLAT, box=BOX)
+        contact = Contact(heavy, FLAT, box=BOX, engine=engine)
         plant = Plant(heavy, Current(0.2), contact=contact)
         plant.reset(np.array([0.1, 0.05, SEABED_Z - 0.9, 0.0, 0.0, 0.3]))
         plant.advance(0, np.zeros(5), 600)
@@ -204,10 +222,10 @@ def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
     assert int(answer.split()[1]) > 20
 
 
-def test_a_run_without_contact_is_the_same_with_contacts_enabled() -> None:
+def test_a_run_without_contact_is_the_same_with_contacts_enabled(engine: MakeEngine) -> None:
     vehicle = load("girona500")
     runs = []
-    for contact in (None, Contact(vehicle, FLAT, box=BOX)):
+    for contact in (None, Contact(vehicle, FLAT, box=BOX, engine=engine)):
         plant = Plant(vehicle, Current(0.3), contact=contact)
         plant.reset(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
         plant.advance(0, np.full(5, 0.2), 200)
@@ -237,71 +255,30 @@ def test_the_lowest_point_is_that_of_the_lowest_corner(
     assert lowest == pytest.approx(max(3.0 + rotation[2] @ corner for corner in corners))
 
 
-FREE_RUN = """
+ENGINES = """
 import sys
 import numpy as np
-from seamark.sim.physics.terrain import Bottom
-from seamark.sim.physics.contact import Contact, TargetBox
-from seamark.sim.physics.current import Current
-from seamark.sim.physics.plant import Plant
-from seamark.sim.vehicles import load
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.registry import benchmark
 
-vehicle = load("girona500")
-contact = Contact(vehicle, Bottom(4.785), box=TargetBox(centre=(0.0, 0.0, 4.72)))
-plant = Plant(vehicle, Current(0.3), contact=contact)
-plant.reset(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
-plant.advance(0, np.zeros(5), 500)
-free = "pybullet" in sys.modules
-plant.reset(np.array([0.0, 0.0, 4.25, 0.0, 0.0, 0.0]))
-plant.advance(0, np.zeros(5), 10)
-contact.close()
-print(free, "pybullet" in sys.modules)
+class Dive:
+    def reset(self, level): pass
+    def step(self, values): return 0.0, 0.0, 1.0, 0.0
+
+for contacts in ("seamark", "pybullet"):
+    config = benchmark("currents-v1").read({"levels": 0.3, "level_duration_s": 12.0,
+                                            "settle_s": 1.0, "tracker": "truth",
+                                            "contacts": contacts})
+    result = run_trial("currents-v1", config, Dive(), seed=3, trial=0, on_rows=lambda rows: None)
+    print("pybullet" in sys.modules, config.exact())
 """
 
 
 @pytest.mark.slow
-def test_bullet_is_loaded_only_where_something_can_touch_and_prints_nothing() -> None:
+def test_bullet_is_loaded_only_where_it_is_chosen_and_prints_nothing() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", FREE_RUN], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", ENGINES], capture_output=True, text=True, check=True, timeout=240
     )
 
-    assert done.stdout.split() == ["False", "True"]
-
-
-SINKING_RUN = """
-import numpy as np
-from seamark.sim.physics.contact import Contact
-from seamark.sim.physics.current import Current
-from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.terrain import Bottom
-from seamark.sim.vehicles import load
-
-vehicle = load("girona500")
-plant = Plant(vehicle, Current(0.0), contact=Contact(vehicle, Bottom(4.785)))
-plant.reset(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]))
-plant.advance(0, np.full(5, 0.2), 100)
-print(plant.state.tobytes().hex())
-plant.reset(np.array([0.0, 0.0, 4.0, 0.0, 0.0, 0.0]))
-plant.state[9] = 2.0  # down
-felt = 0.0
-for step in range(200):
-    plant.advance(step, np.zeros(5), 1)
-    felt = max(felt, plant.contact_force())
-print(felt, plant.state[2])
-"""
-
-
-@pytest.mark.slow
-def test_without_pybullet_nothing_is_felt_and_a_run_that_touches_nothing_is_the_same() -> None:
-    printed = []
-    for start in ("import sys\n", "import sys\nsys.modules['pybullet'] = None\n"):
-        done = subprocess.run(
-            [sys.executable, "-c", start + SINKING_RUN], capture_output=True, text=True, check=True
-        )
-        printed.append(done.stdout.split())
-
-    (free, felt, depth), (free_without, felt_without, depth_without) = printed
-    assert free == free_without
-    assert float(felt) > 0.0
-    assert float(felt_without) == 0.0
-    assert float(depth_without) > SEABED_Z > float(depth)
+    assert done.stdout.splitlines() == ["False True", "True False"]
+    assert done.stderr == ""

@@ -306,7 +306,7 @@ for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
     mounds = terrain.draw_relief(random_streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
     ground = terrain.Bottom(3.0, mounds)
-    touching = contact.Contact(vehicle, ground)
+    touching = contact.Contact(vehicle, ground, engine=Hull)
     law = current.Pattern(law="force")
     plant = Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
     plant.reset(np.array([0, 0, 2.6, 0, 0, 0]))

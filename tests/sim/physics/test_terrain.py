@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.sim.multibody.hull import Hull
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics import terrain as module
-from seamark.sim.physics.contact import CELL_M, Contact
+from seamark.sim.physics.bullet import CELL_M
+from seamark.sim.physics.contact import Contact
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import (
@@ -158,7 +160,7 @@ def pressing(vehicle: Vehicle) -> Vehicle:
 @pytest.mark.parametrize(("north", "east"), [(6.0, 2.0), (-9.0, 5.0), (30.0, 0.0), (0.0, -40.0)])
 def test_a_vehicle_rests_on_the_mounds_and_on_the_flat_beyond(north: float, east: float) -> None:
     vehicle = pressing(load("bluerov2-heavy"))
-    contact = Contact(vehicle, HILLY)
+    contact = Contact(vehicle, HILLY, engine=Hull)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     above = depth_at(north, east) - 0.5 * 0.2539
     plant.reset(np.array([north, east, above - 0.3, 0.0, 0.0, 0.0]))
