@@ -292,21 +292,23 @@ COMPILED = """
 import numpy as np
 from seamark.sim.numerics import random_streams
 from seamark.sim.physics import contact, current, dynamics, terrain, thrusters
+from seamark.sim.multibody import hull
 from seamark.sim.physics.plant import Plant, warm_up
 from seamark.sim.vehicles import load
 
 def compiled():
-    modules = (terrain, contact, current, dynamics, thrusters)
+    modules = (terrain, contact, current, dynamics, hull, thrusters)
     found = {f"{m.__name__}.{k}": v for m in modules for k, v in vars(m).items()}
     return {k: len(v.signatures) for k, v in found.items() if hasattr(v, "py_func")}
 
 warm_up()
+hull.warm_up()
 before = compiled()
 for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
     mounds = terrain.draw_relief(random_streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
     ground = terrain.Bottom(3.0, mounds)
-    touching = contact.Contact(vehicle, ground, engine=Hull)
+    touching = contact.Contact(vehicle, ground, engine=hull.Hull)
     law = current.Pattern(law="force")
     plant = Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
     plant.reset(np.array([0, 0, 2.6, 0, 0, 0]))

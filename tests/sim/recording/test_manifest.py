@@ -15,7 +15,7 @@ def test_the_manifest_is_json_and_brings_the_configuration_back() -> None:
     assert json.loads(json.dumps(made, allow_nan=False)) == made
     assert currents.read(made["configuration"]) == config
     assert (made["seed"], made["digest"], made["run"]) == (5, "00", 17)
-    assert made["contacts"] == "simulated"
+    assert made["contacts"] == "seamark"
 
 
 def test_the_code_has_one_hash_and_the_libraries_have_versions() -> None:
