@@ -173,7 +173,7 @@ def push_hull(
     write_bias(structure, model.links, v, work.wrench, frames)
     write_mass(structure, model.links, frames)
     factorise(structure, frames)
-    move_freely(step_s, structure, v, frames, work.x)
+    move_freely(step_s, structure, v, frames, work)
     for i in range(6):
         v[i] = after[7 + i]  # the plant has moved the vehicle
     place_shapes(model.shapes, frames, work.touches)

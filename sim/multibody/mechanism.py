@@ -377,4 +377,5 @@ def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
         solving=zeros(Solving, sizes, lanes, integers=integers),
         wrench=np.zeros((6, *lanes)),
         x=np.zeros((n, *lanes)),
+        acceleration=np.zeros((n, *lanes)),
     )

@@ -74,6 +74,7 @@ class Work(NamedTuple):
     solving: Solving
     wrench: Array  # (6,)
     x: Array  # (n,)
+    acceleration: Array  # (n,) of the last step relative to the water [m/s², rad/s²]
 
 
 @njit(cache=True, error_model="numpy")
@@ -118,13 +119,18 @@ def take_step(
     write_bias(structure, model.links, state.v, work.wrench, frames)
     write_mass(structure, model.links, frames)
     factorise(structure, frames)
-    move_freely(step_s, structure, state.v, frames, work.x)
+    move_freely(step_s, structure, state.v, frames, work)
+    free = work.x
+    for j in range(free.size):
+        free[j] = state.v[j]
     place_shapes(model.shapes, frames, work.touches)
     find_touches(model.shapes, ground, work.touches)
     constraints = Constraints(structure, model.shapes, model.rows, state.impulses)
     apply_impulses(
         timing, constraints, state.q, state.v, command.speed, frames, work.touches, work.solving
     )
+    for j in range(free.size):
+        work.acceleration[j] += (state.v[j] - free[j]) / step_s
     move_coordinates(step_s, structure, state, frames)
 
 
@@ -157,11 +163,14 @@ def _write_push(thrusters: Thrusters, thrust: Array, target: Array, wrench: Arra
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def move_freely(step_s: float, structure: Structure, v: Array, frames: Frames, x: Array) -> None:
+def move_freely(step_s: float, structure: Structure, v: Array, frames: Frames, work: Work) -> None:
     """Change the speeds by a step without motors, joint friction and contacts."""
+    x = work.x
     for j in range(v.size):
         x[j] = -frames.bias[j]
     solve(structure, frames, x)
+    for j in range(v.size):
+        work.acceleration[j] = x[j]
     for i in range(structure.parent.size):
         if structure.joint[i] != FREE:
             continue

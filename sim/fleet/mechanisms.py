@@ -1,0 +1,197 @@
+"""Many mechanisms of one structure: vehicles with arms that touch things, eight side by side.
+
+Each has its own numbers, state, water and time; the bits are those of one that moves alone
+(`multibody.step.advance`).
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.fleet.blocks import water_of
+from seamark.sim.fleet.tables import WATER_NUMBERS
+from seamark.sim.multibody.mechanism import command_for, state_for, work_for
+from seamark.sim.multibody.solver import Timing
+from seamark.sim.multibody.step import Command, Model, State, Work, take_step
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.compilation import SameTypes
+from seamark.sim.numerics.lanes import LANES, lanes_of
+from seamark.sim.physics.current import Current, segment_at
+from seamark.sim.physics.terrain import Mounds
+
+T = TypeVar("T")
+
+
+class _Stream(NamedTuple):
+    """The water of eight mechanisms."""
+
+    numbers: Array  # (WATER_NUMBERS, 8)
+    drift: Array  # (8, 2, grid)
+    segment: Array  # (5, 8), see current.Segment
+    middle: Array  # (1, 8) [s] of the step
+    first: Array  # (1, 8) steps since the beginning
+
+
+class Mechanisms:
+    """n mechanisms that move in steps of the same length, over one ground.
+
+    Raises
+    ------
+    ValueError
+        Their structures differ, or their currents follow different laws or have different lengths.
+    """
+
+    def __init__(
+        self,
+        models: Sequence[Model],
+        currents: Sequence[Current],
+        ground: Mounds,
+        timing: Timing,
+        *,
+        threads: int = 1,
+    ) -> None:
+        """Put all of them at rest, with all coordinates zero."""
+        self.count = len(models)
+        filled = [*models, *[models[-1]] * (-len(models) % LANES)]
+        waters = [current.water for current in currents]
+        waters += [waters[-1]] * (len(filled) - len(waters))
+        if len({water.law for water in waters}) > 1:
+            raise ValueError("the currents of one fleet must follow the same law")
+        if len({water.drift.shape for water in waters}) > 1:
+            raise ValueError("the currents of one fleet must have the same length")
+        self._law = waters[0].law
+        self._ground, self._timing = ground, timing
+        blocks = range(0, len(filled), LANES)
+        self._models = [_side_by_side(filled[at : at + LANES]) for at in blocks]
+        self._streams = [_stream(waters[at : at + LANES]) for at in blocks]
+        self._states = [state_for(models[0], (LANES,)) for _ in blocks]
+        self._commands = [command_for(models[0], (LANES,)) for _ in blocks]
+        self._works = [work_for(models[0], (LANES,)) for _ in blocks]
+        self._advance = SameTypes(advance_block)
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def place(self, i: int, state: State, *, step: int = 0) -> None:
+        """Give mechanism i a state, that of a number of steps since its beginning."""
+        block, lane = divmod(i, LANES)
+        _copy(state, self._states[block], lane)
+        self._streams[block].first[0, lane] = step
+
+    def read(self, i: int, out: State) -> None:
+        """Copy the state of mechanism i."""
+        block, lane = divmod(i, LANES)
+        _copy(self._states[block], out, lane)
+
+    def advance(self, steps: int, thrust: Array, speed: Array) -> None:
+        """Move all of them by a number of steps.
+
+        Parameters
+        ----------
+        thrust : (n, m) [N]
+            Steady thrust of each thruster.
+        speed : (n, a) [rad/s or m/s]
+            Wanted speed of each motor.
+        """
+        for i in range(self.count):
+            block, lane = divmod(i, LANES)
+            self._commands[block].thrust[:, lane] = thrust[i]
+            self._commands[block].speed[:, lane] = speed[i]
+
+        def move(block: int) -> None:
+            self._advance.call(
+                steps,
+                self._timing,
+                self._models[block],
+                self._states[block],
+                self._commands[block],
+                (self._law, self._streams[block]),
+                self._ground,
+                self._works[block],
+            )
+
+        blocks = range(len(self._models))
+        if self._pool is None:
+            for block in blocks:
+                move(block)
+        else:
+            list(self._pool.map(move, blocks))
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+
+def _stream(waters: Sequence[Any]) -> _Stream:
+    return _Stream(
+        numbers=np.array([[float(getattr(w, n)) for w in waters] for n in WATER_NUMBERS]),
+        drift=np.array([water.drift for water in waters]),
+        segment=np.zeros((5, LANES)),
+        middle=np.zeros((1, LANES)),
+        first=np.zeros((1, LANES)),
+    )
+
+
+def _side_by_side(parts: Sequence[T]) -> T:
+    """Return nested tuples of arrays as one: float64 (...,) as (..., 8), integers once.
+
+    Raises
+    ------
+    ValueError
+        Their integers differ.
+    """
+    first: Any = parts[0]
+    if isinstance(first, tuple):
+        groups = zip(*(tuple(part) for part in parts), strict=True)  # type: ignore[call-overload]
+        made: T = type(first)(*(_side_by_side(group) for group in groups))
+        return made
+    if first.dtype == np.float64:
+        stacked: Any = np.ascontiguousarray(np.stack([np.asarray(p) for p in parts], axis=-1))
+        return stacked
+    if not all(np.array_equal(first, np.asarray(part)) for part in parts):
+        raise ValueError("the mechanisms of one fleet must have the same structure")
+    return parts[0]
+
+
+def _copy(source: Any, target: Any, lane: int) -> None:
+    """Copy nested arrays between a single mechanism and a lane; the one with fewer axes is it."""
+    if isinstance(source, tuple):
+        for one, other in zip(source, target, strict=True):
+            _copy(one, other, lane)
+    elif source.ndim < target.ndim:
+        target[..., lane] = source
+    else:
+        target[...] = source[..., lane]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance_block(
+    steps: int,
+    timing: Timing,
+    model: Model,
+    state: State,
+    command: Command,
+    law_and_stream: tuple[int, _Stream],
+    ground: Mounds,
+    work: Work,
+) -> None:
+    """Advance eight mechanisms by a number of steps, each from its own time on."""
+    law, stream = law_and_stream
+    stream = borrowed(stream)
+    models, states = lanes_of(borrowed(model)), lanes_of(borrowed(state))
+    commands, works = lanes_of(borrowed(command)), lanes_of(borrowed(work))
+    segment, middle = lanes_of(stream.segment), lanes_of(stream.middle)
+    water = water_of(lanes_of(stream.numbers), law, stream.drift[0])
+    for _ in range(steps):
+        for lane in range(LANES):
+            t = stream.first[0, lane] * timing.step_s + 0.5 * timing.step_s
+            stream.middle[0, lane] = t
+            piece = segment_at(t, stream.drift[lane])
+            for j in range(len(piece)):
+                stream.segment[j, lane] = piece[j]
+            stream.first[0, lane] += 1.0
+        drift = (segment[0], segment[1], segment[2], segment[3], segment[4])
+        take_step(middle[0], timing, models, states, commands, (water, drift), ground, works)
