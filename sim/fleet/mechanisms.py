@@ -6,7 +6,7 @@ Each has its own numbers, state, water and time; the bits are those of one that 
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -20,10 +20,8 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.lanes import LANES, lanes_of
-from seamark.sim.physics.current import Current, segment_at
+from seamark.sim.physics.current import RELATIVE, Current, segment_at
 from seamark.sim.physics.terrain import Mounds
-
-T = TypeVar("T")
 
 
 class _Stream(NamedTuple):
@@ -42,7 +40,7 @@ class Mechanisms:
     Raises
     ------
     ValueError
-        Their structures differ, or their currents follow different laws or have different lengths.
+        Their structures differ, or a current does not follow the relative law, or is shorter than others.
     """
 
     def __init__(
@@ -59,11 +57,10 @@ class Mechanisms:
         filled = [*models, *[models[-1]] * (-len(models) % LANES)]
         waters = [current.water for current in currents]
         waters += [waters[-1]] * (len(filled) - len(waters))
-        if len({water.law for water in waters}) > 1:
-            raise ValueError("the currents of one fleet must follow the same law")
+        if any(water.law != RELATIVE for water in waters):
+            raise ValueError("mechanisms need currents of the relative law")
         if len({water.drift.shape for water in waters}) > 1:
             raise ValueError("the currents of one fleet must have the same length")
-        self._law = waters[0].law
         self._ground, self._timing = ground, timing
         blocks = range(0, len(filled), LANES)
         self._models = [_side_by_side(filled[at : at + LANES]) for at in blocks]
@@ -107,7 +104,7 @@ class Mechanisms:
                 self._models[block],
                 self._states[block],
                 self._commands[block],
-                (self._law, self._streams[block]),
+                self._streams[block],
                 self._ground,
                 self._works[block],
             )
@@ -135,7 +132,7 @@ def _stream(waters: Sequence[Any]) -> _Stream:
     )
 
 
-def _side_by_side(parts: Sequence[T]) -> T:
+def _side_by_side(parts: Sequence[Any]) -> Any:
     """Return nested tuples of arrays as one: float64 (...,) as (..., 8), integers once.
 
     Raises
@@ -143,17 +140,14 @@ def _side_by_side(parts: Sequence[T]) -> T:
     ValueError
         Their integers differ.
     """
-    first: Any = parts[0]
+    first = parts[0]
     if isinstance(first, tuple):
-        groups = zip(*(tuple(part) for part in parts), strict=True)  # type: ignore[call-overload]
-        made: T = type(first)(*(_side_by_side(group) for group in groups))
-        return made
+        return type(first)(*(_side_by_side(group) for group in zip(*parts, strict=True)))
     if first.dtype == np.float64:
-        stacked: Any = np.ascontiguousarray(np.stack([np.asarray(p) for p in parts], axis=-1))
-        return stacked
-    if not all(np.array_equal(first, np.asarray(part)) for part in parts):
+        return np.ascontiguousarray(np.stack(parts, axis=-1))
+    if not all(np.array_equal(first, part) for part in parts):
         raise ValueError("the mechanisms of one fleet must have the same structure")
-    return parts[0]
+    return first
 
 
 def _copy(source: Any, target: Any, lane: int) -> None:
@@ -174,17 +168,16 @@ def advance_block(
     model: Model,
     state: State,
     command: Command,
-    law_and_stream: tuple[int, _Stream],
+    stream: _Stream,
     ground: Mounds,
     work: Work,
 ) -> None:
     """Advance eight mechanisms by a number of steps, each from its own time on."""
-    law, stream = law_and_stream
     stream = borrowed(stream)
     models, states = lanes_of(borrowed(model)), lanes_of(borrowed(state))
     commands, works = lanes_of(borrowed(command)), lanes_of(borrowed(work))
     segment, middle = lanes_of(stream.segment), lanes_of(stream.middle)
-    water = water_of(lanes_of(stream.numbers), law, stream.drift[0])
+    water = water_of(lanes_of(stream.numbers), RELATIVE, stream.drift[0])
     for _ in range(steps):
         for lane in range(LANES):
             t = stream.first[0, lane] * timing.step_s + 0.5 * timing.step_s

@@ -34,36 +34,41 @@ def write_loads(timing: Timing, model: Model, state: State, work: Work, out: Arr
         which is zero but for rounding, if nothing but water, weight, thrusters and contacts act.
     """
     model, state, work = borrowed(model), borrowed(state), borrowed(work)
-    structure, links, frames = model.structure, model.links, work.frames
-    for i in range(structure.parent.size):
-        first, parent = structure.speed[i], structure.parent[i]
-        if structure.joint[i] == FREE:
-            for a in range(6):
-                frames.acceleration[i, a] = work.acceleration[first + a]
-        else:
-            _accelerate(i, parent, work.acceleration[first], model, work)
+    parents = model.structure.parent
+    for i in range(parents.size):
+        _accelerate(i, parents[i], model, work)
         for a in range(6):
-            out[i, a] = frames.wrench[i, a]
+            out[i, a] = work.frames.wrench[i, a]
     _write_inertia(model, work)
     _take_contacts(timing.step_s, model, state, work)
-    for i in range(structure.parent.size - 1, -1, -1):
-        parent = structure.parent[i]
+    for i in range(parents.size - 1, -1, -1):
         for a in range(6):
-            out[i, a] += frames.twist[i, a]
-        if parent == WORLD:
-            continue
-        force = rotate(frames.turned, i, three(frames.twist, i, 0))
-        torque = rotate(frames.turned, i, three(frames.twist, i, 3))
-        torque = plus(torque, cross(three(frames.arm, i, 0), force))
-        for a in range(3):
-            frames.twist[parent, a] += force[a]
-            frames.twist[parent, 3 + a] += torque[a]
+            out[i, a] += work.frames.twist[i, a]
+        if parents[i] != WORLD:
+            _hand_on(i, parents[i], work)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _accelerate(i: int, parent: int, rate: float, model: Model, work: Work) -> None:
-    """Write the acceleration of a link beside the bias: its parent's, and that of its joint."""
+def _hand_on(i: int, parent: int, work: Work) -> None:
+    """Add to a parent what a link needs."""
     frames = work.frames
+    force = rotate(frames.turned, i, three(frames.twist, i, 0))
+    torque = rotate(frames.turned, i, three(frames.twist, i, 3))
+    torque = plus(torque, cross(three(frames.arm, i, 0), force))
+    for a in range(3):
+        frames.twist[parent, a] += force[a]
+        frames.twist[parent, 3 + a] += torque[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _accelerate(i: int, parent: int, model: Model, work: Work) -> None:
+    """Write the acceleration of a link beside the bias: its parent's, and that of its joint."""
+    frames, first = work.frames, model.structure.speed[i]
+    if model.structure.joint[i] == FREE:
+        for a in range(6):
+            frames.acceleration[i, a] = work.acceleration[first + a]
+        return
+    rate = work.acceleration[first]
     own = times(three(model.links.axis, i, 0), rate)
     zero = like(rate, 0.0)
     linear, turning = (zero, zero, zero), (zero, zero, zero)

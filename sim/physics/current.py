@@ -36,7 +36,7 @@ CHANGE_S = constants.CURRENT_CHANGE_S.scalar
 
 MIN_HEIGHT_M = constants.MIN_HEIGHT_M.scalar
 
-_RELATIVE, _FORCE = 0, 1
+RELATIVE, _FORCE = 0, 1
 # Of the drift between two points of its grid: time [s] of the first, speed [m/s] there and its
 # slope, turn [rad] there and its slope.
 Segment = tuple[float, float, float, float, float]
@@ -158,7 +158,7 @@ class Current:
             drift[0] += change.speed_share * level * ramp
             drift[1] += change.turn_rad * ramp
         self.water = Water(
-            law=_RELATIVE if law.law == "relative" else _FORCE,
+            law=RELATIVE if law.law == "relative" else _FORCE,
             level=float(level),
             azimuth=float(law.azimuth_rad),
             azimuth_swing=float(law.azimuth_swing_rad),
