@@ -40,7 +40,8 @@ class Mechanisms:
     Raises
     ------
     ValueError
-        Their structures differ, or a current does not follow the relative law, or is shorter than others.
+        Their structures differ, a current does not follow the relative law, or lengths of
+        currents differ.
     """
 
     def __init__(
