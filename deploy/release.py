@@ -19,7 +19,10 @@ from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 
 ROOT = Path(__file__).resolve().parents[1]
-OF_SERVICE = ("--frozen", "--no-dev", "--extra", "server", "--no-emit-workspace")
+OF_SERVICE = (
+    *("--frozen", "--no-dev", "--extra", "server", "--extra", "pybullet"),
+    "--no-emit-workspace",
+)
 
 
 def version() -> str:
