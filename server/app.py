@@ -32,6 +32,7 @@ from seamark.server.web import (
     rate_limits,
     request_log,
     security_headers,
+    static_files,
 )
 from seamark.server.web.asgi import AsgiApplication
 from seamark.server.web.services import Services, services
@@ -47,8 +48,7 @@ def create_app(settings: Settings) -> OpenAPI:
         "seamark",
         info=Info(title="Seamark", version=_VERSION),
         template_folder=str(_FOLDER),
-        static_folder=str(_FOLDER / "static"),
-        static_url_path="/static",
+        static_folder=None,  # `static_files` serves it
         doc_ui=False,  # /api/docs is the API's own page
         validation_error_callback=lambda error: problems.from_validation_error(error).response(),
     )
@@ -66,6 +66,7 @@ def create_app(settings: Settings) -> OpenAPI:
     identity_provider.register(app, settings)
     security_headers.register(app, public=settings.public)
     compression.register(app)
+    static_files.register(app, _FOLDER / "static")
     pages.register(app)
     api.register(app)
     app.context_processor(_common)
