@@ -317,7 +317,9 @@ def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> Non
         lean = rim_direction((zero, crossing[1], crossing[2]), (zero + 1.0, zero, zero))
         edge = plus((depth, zero, zero), times(lean, wide))
         normal, distance, along = to_line(edge, centre, axis)
-        gap = select(abs(along) <= half, distance - radius, 2.0 * MARGIN_M)
+        # Nearer to the cylinder's end than to its side, the edge meets the end: the tip's touches.
+        by_side = (abs(along) <= half) & (distance - radius >= abs(along) - half)
+        gap = select(by_side, distance - radius, 2.0 * MARGIN_M)
         world = plus(three(to.centre, b, 0), rotate(to.turned, b, edge))
         _put_touch(slot + 4 + k, (world, rotate(to.turned, b, normal), gap), to)
 

@@ -1,0 +1,52 @@
+"""The same bits in every process and on every processor, with joints and contacts."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+SCENES = """
+import hashlib
+import numpy as np
+from seamark.sim.multibody.mechanism import command_for, state_for, work_for
+from seamark.sim.multibody.solver import Timing
+from seamark.sim.multibody.step import advance
+from seamark.sim.physics.current import Current
+from tests.sim.multibody.scenes import GROUND, STEP_S, vehicle_with_arm
+
+digest, touched = hashlib.sha256(), 0
+for depth in (5.0, 9.7):
+    model = vehicle_with_arm(valve_torque=2.0).model(STEP_S)
+    state, work, command = state_for(model), work_for(model), command_for(model)
+    state.q[0], state.q[2] = 0.03, depth
+    command.speed[:], command.thrust[:] = (0.05, 0.1, -0.1, 0.4, 0.3), 2.0
+    water = Current(0.1, rng=np.random.Generator(np.random.PCG64(1)), duration_s=5.0).water
+    for first in range(0, 2000, 100):
+        advance((first, 100), Timing(STEP_S, 10), model, state, command, water, GROUND, work)
+        touched += np.count_nonzero(state.impulses.contact[:, 0])
+        for part in (*state[:3], *state.impulses):
+            digest.update(part.tobytes())
+print(digest.hexdigest(), touched)
+"""
+
+
+def digest(variables: dict[str, str]) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", SCENES],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, **variables},
+    )
+    return done.stdout.split()
+
+
+@pytest.mark.slow
+def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor(
+    oldest_processor: dict[str, str],
+) -> None:
+    here, again = digest({"PYTHONHASHSEED": "1"}), digest({"PYTHONHASHSEED": "2"})
+
+    assert here == again == digest(oldest_processor)
+    assert int(here[1]) > 20

@@ -1,0 +1,419 @@
+"""What rests stays, what is held does not creep, what is pushed hard enough moves."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from seamark.sim.multibody.loads import write_pair_forces
+from seamark.sim.multibody.mechanism import (
+    Coupling,
+    Friction,
+    Limits,
+    Link,
+    Mechanism,
+    Motor,
+    Point,
+    Shape,
+    command_for,
+    state_for,
+    work_for,
+)
+from seamark.sim.multibody.solver import Timing
+from seamark.sim.multibody.step import Command, Model, State, Work, advance
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.physics.current import Current
+from tests.sim.multibody.scenes import ALONG_Y, GROUND, STEP_S, about
+
+STILL = Current(0.0).water
+FRICTION = 0.6
+WEIGHT_N = 77.6  # of a black box of 15 kg in water
+SIZE = (0.3, 0.2, 0.2)
+MINUTE = round(60.0 / STEP_S)
+
+
+def solid(mass: float, size: Point) -> Array:
+    a, b, c = size
+    inertia = np.diag([b * b + c * c, a * a + c * c, a * a + b * b]) * (mass / 12.0)
+    return about(mass, inertia, (0.0, 0.0, 0.0))
+
+
+def half(size: Point) -> Point:
+    return 0.5 * size[0], 0.5 * size[1], 0.5 * size[2]
+
+
+def box(name: str, mass: float, weight: float, size: Point = SIZE) -> tuple[Link, Shape]:
+    shape = Shape(name=name, kind="box", link=name, size=half(size), friction=FRICTION)
+    return Link(name=name, rigid=solid(mass, size), net_weight=weight), shape
+
+
+def ground() -> Shape:
+    return Shape(name="ground", kind="ground", friction=FRICTION)
+
+
+class Scene:
+    """A mechanism that moves."""
+
+    def __init__(self, mechanism: Mechanism, *, iterations: int = 10) -> None:
+        self.timing = Timing(STEP_S, iterations)
+        self.model: Model = mechanism.model(STEP_S)
+        self.state: State = state_for(self.model)
+        self.work: Work = work_for(self.model)
+        self.command: Command = command_for(self.model)
+        self.pairs = len(mechanism.pairs)
+        self.steps = 0
+
+    def run(self, steps: int) -> None:
+        """Move on."""
+        span = (self.steps, steps)
+        advance(span, self.timing, self.model, self.state, self.command, STILL, GROUND, self.work)
+        self.steps += steps
+
+    def pair_forces(self) -> Array:
+        """The normal force of each pair now."""
+        out = np.empty(self.pairs)
+        write_pair_forces(self.timing, self.model, self.state, self.work, out)
+        return out
+
+
+def box_on_the_bottom(*, push: bool = False) -> Scene:
+    link, shape = box("box", 15.0, WEIGHT_N)
+    mechanism = Mechanism(links=[link], shapes=[ground(), shape], pairs=[("box", "ground")])
+    if push:
+        mechanism.allocation = np.array([[1.0], [0.0], [0.0], [0.0], [0.0], [0.0]])
+    scene = Scene(mechanism)
+    scene.state.q[2] = GROUND.depth - 0.5 * SIZE[2]
+    scene.run(500)
+    return scene
+
+
+def test_a_box_at_rest_stays_for_a_minute() -> None:
+    scene = box_on_the_bottom()
+    place = scene.state.q.copy()
+
+    scene.run(MINUTE)
+
+    assert np.abs(scene.state.q - place).max() < 1e-5
+
+
+def test_a_push_below_the_friction_limit_moves_nothing_and_one_above_it_moves_as_it_should() -> (
+    None
+):
+    below, above = box_on_the_bottom(push=True), box_on_the_bottom(push=True)
+    place = below.state.q.copy()
+
+    below.command.thrust[:] = 0.95 * FRICTION * WEIGHT_N
+    below.run(5000)
+    above.command.thrust[:] = 1.2 * FRICTION * WEIGHT_N
+    above.run(1000)
+    before = above.state.v[0]
+    above.run(500)
+
+    assert np.abs(below.state.q - place).max() < 5e-4
+    gained = 0.2 * FRICTION * WEIGHT_N / 15.0  # [m/s] in a second
+    assert above.state.v[0] - before == pytest.approx(gained, rel=1e-3)
+
+
+def test_a_box_that_falls_on_a_corner_comes_to_rest_on_a_side_without_sinking_in() -> None:
+    scene = box_on_the_bottom()
+    scene.state.q[2] = GROUND.depth - 0.6
+    turn = np.array([0.9, 0.3, 0.2, 0.1])
+    scene.state.q[3:7] = turn / np.linalg.norm(turn)
+    scene.state.v[2] = 1.0
+    deepest = 0.0
+
+    for _ in range(2000):
+        scene.run(1)
+        deepest = max(deepest, -float(scene.work.touches.gap.min()))
+
+    assert deepest < 2e-4
+    assert np.abs(scene.state.v).max() < 1e-9
+    assert scene.pair_forces()[0] == pytest.approx(WEIGHT_N, rel=1e-6)
+
+
+def test_a_long_bar_rests_across_a_box_though_no_corner_is_inside_the_other() -> None:
+    bar, bar_shape = box("bar", 5.0, 20.0, (1.5, 0.1, 0.1))
+    below = Shape(name="block", kind="box", place=(0.0, 0.0, 5.0), size=(0.1, 0.5, 0.1))
+    mechanism = Mechanism(links=[bar], shapes=[bar_shape, below], pairs=[("bar", "block")])
+    scene = Scene(mechanism)
+    scene.state.q[2] = 5.0 - 0.1 - 0.05
+
+    scene.run(5000)
+
+    assert scene.state.q[2] == pytest.approx(5.0 - 0.15, abs=1e-4)
+    assert scene.pair_forces()[0] == pytest.approx(20.0, rel=1e-4)
+
+
+def gripper(*, effort: float, bar_weight: float) -> Scene:
+    """Two jaws that slide towards each other along y, with a bar between them."""
+    bar, bar_shape = box("bar", 2.0, bar_weight, (0.2, 0.04, 0.04))
+    links, shapes, motors = [bar], [bar_shape], []
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        links.append(
+            Link(
+                name=name,
+                joint="prismatic",
+                offset=(0.0, side * 0.026, 5.0),
+                axis=(0.0, -side, 0.0),
+                rigid=solid(0.1, (0.06, 0.01, 0.06)),
+            )
+        )
+        size = (0.03, 0.005, 0.03)
+        shapes.append(Shape(name=name, kind="box", link=name, size=size, friction=FRICTION))
+        motors.append(Motor(link=name, effort=effort))
+    pairs = [("left", "bar"), ("right", "bar")]
+    mechanism = Mechanism(links=links, motors=motors, shapes=shapes, pairs=pairs)
+    scene = Scene(mechanism)
+    scene.state.q[2] = 5.0
+    scene.command.speed[:] = 0.2
+    return scene
+
+
+def test_a_bar_held_by_friction_does_not_creep_in_a_minute() -> None:
+    scene = gripper(effort=40.0, bar_weight=15.0)
+    scene.run(500)
+    place = scene.state.q[:3].copy()
+
+    scene.run(MINUTE)
+
+    assert np.abs(scene.state.q[:3] - place).max() < 1e-4
+    assert scene.pair_forces() == pytest.approx([40.0, 40.0], rel=1e-4)
+
+
+def test_a_bar_that_is_too_heavy_for_the_grip_slips() -> None:
+    scene = gripper(effort=40.0, bar_weight=1.2 * 2.0 * FRICTION * 40.0)
+    scene.run(250)
+    first = scene.state.q[2]
+
+    scene.run(250)
+
+    assert scene.state.q[2] - first > 0.1
+
+
+def valve(torque: float) -> Scene:
+    """A valve that breaks away at 5 N m, and a slide that pushes its lever."""
+    links = [
+        Link(
+            name="pusher",
+            joint="prismatic",
+            offset=(0.2, 0.0, 5.0),
+            axis=(0.0, 1.0, 0.0),
+            rigid=solid(1.0, (0.05, 0.05, 0.05)),
+        ),
+        Link(
+            name="valve",
+            joint="revolute",
+            offset=(0.0, 0.05, 5.0),
+            axis=(0.0, 0.0, 1.0),
+            rigid=solid(0.5, (0.4, 0.02, 0.02)),
+        ),
+    ]
+    shapes = [
+        Shape(name="pusher", kind="capsule", link="pusher", size=(0.02, 0.0, 0.0)),
+        Shape(name="lever", kind="capsule", link="valve", size=(0.01, 0.3, 0.0)),
+    ]
+    mechanism = Mechanism(
+        links=links,
+        motors=[Motor(link="pusher", effort=torque / 0.2)],
+        frictions=[Friction(link="valve", resting=5.0, sliding=4.0)],
+        shapes=shapes,
+        pairs=[("pusher", "lever")],
+    )
+    scene = Scene(mechanism)
+    scene.command.speed[:] = 0.1
+    return scene
+
+
+def test_a_stuck_valve_does_not_turn_at_sixty_per_cent_of_its_torque() -> None:
+    scene = valve(3.0)
+    scene.run(500)
+    angle = scene.state.q[1]
+
+    scene.run(round(30.0 / STEP_S))
+
+    assert abs(scene.state.q[1] - angle) < 1e-4
+    assert scene.pair_forces()[0] == pytest.approx(3.0 / 0.2, rel=1e-3)
+
+
+def test_a_valve_turns_above_its_torque() -> None:
+    scene = valve(5.5)
+
+    scene.run(1500)
+
+    assert scene.state.q[1] > 0.3
+
+
+def pendulum(**parts: list[Motor] | list[Limits] | list[Friction]) -> Scene:
+    """A rod of 1 kg that hangs level from a joint at its end: 4.9 N m."""
+    rod = Link(
+        name="rod",
+        joint="revolute",
+        offset=(0.0, 0.0, 5.0),
+        axis=(0.0, -1.0, 0.0),  # positive is downwards
+        rigid=about(1.0, np.diag([0.001, 0.1, 0.1]), (0.5, 0.0, 0.0)),
+        net_weight=9.8,
+        moment=(4.9, 0.0, 0.0),
+    )
+    return Scene(Mechanism(links=[rod], **parts))  # type: ignore[arg-type]
+
+
+def test_a_joint_stops_at_its_limit_and_stays_there() -> None:
+    scene = pendulum(limits=[Limits(link="rod", low=-0.5, high=0.4)])
+
+    scene.run(3000)
+
+    assert scene.state.q[0] == pytest.approx(0.4, abs=2e-4)
+    assert abs(scene.state.v[0]) < 1e-9
+
+
+def test_a_motor_holds_what_it_can_and_gives_way_beyond() -> None:
+    strong = pendulum(motors=[Motor(link="rod", effort=5.0)])
+    weak = pendulum(motors=[Motor(link="rod", effort=4.8)])
+
+    strong.run(1000)
+    weak.run(1000)
+
+    assert strong.state.q[0] == 0.0 or abs(strong.state.q[0]) < 1e-9
+    assert -strong.state.impulses.joint[0] / STEP_S == pytest.approx(4.9, rel=1e-6)
+    assert weak.state.q[0] > 0.1
+
+
+def test_a_motor_reaches_the_commanded_speed_against_its_gear_friction() -> None:
+    scene = pendulum(
+        motors=[Motor(link="rod", effort=9.0)],
+        frictions=[Friction(link="rod", resting=1.0, sliding=0.8)],
+    )
+    scene.command.speed[:] = -0.5
+
+    scene.run(200)
+
+    assert scene.state.v[0] == pytest.approx(-0.5, abs=1e-6)
+    spare, inertia = 9.0 - 4.9 - 0.8, 0.1 + 0.25
+    late = 0.5 * 0.5 * inertia / spare  # [s] of the whole way, while it gathers speed
+    assert scene.state.q[0] == pytest.approx(-0.5 * (0.4 - late), abs=2e-3)
+
+
+def test_coupled_joints_move_together() -> None:
+    def jaw(name: str) -> Link:
+        return Link(
+            name=name, joint="revolute", rigid=about(0.1, 1e-4 * np.eye(3), (0.05, 0.0, 0.0))
+        )
+
+    mechanism = Mechanism(
+        links=[jaw("one"), jaw("two")],
+        motors=[Motor(link="one", effort=1.0)],
+        frictions=[Friction(link="two", resting=0.2, sliding=0.2)],
+        couplings=[Coupling(link="two", other="one", ratio=-1.0)],
+    )
+    scene = Scene(mechanism)
+    scene.command.speed[:] = 0.3
+
+    scene.run(1000)
+
+    assert scene.state.q[0] == pytest.approx(0.6, abs=1e-3)
+    assert scene.state.q[1] == pytest.approx(-scene.state.q[0], abs=1e-4)
+
+
+def peg(offset: float, *, chamfer: float) -> float:
+    """How deep [m] a peg of 10 mm radius gets into a hole of 11 mm, beside its axis, in 4 s.
+
+    It is pushed along the axis with 2 N, may slide sideways, and does not turn.
+    """
+    links = [
+        Link(
+            name="sideways",
+            joint="prismatic",
+            offset=(0.0, 0.0, 5.0),
+            axis=(0.0, 1.0, 0.0),
+            rigid=solid(0.1, (0.1, 0.02, 0.02)),
+        ),
+        Link(
+            name="peg",
+            parent="sideways",
+            joint="prismatic",
+            axis=(1.0, 0.0, 0.0),
+            rigid=solid(0.5, (0.1, 0.02, 0.02)),
+        ),
+    ]
+    # The hole opens along -x of the world: its own x axis points out of it, to the peg.
+    out = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
+    shapes = [
+        Shape(name="peg", kind="cylinder", link="peg", size=(0.01, 0.05, 0.0), friction=0.2),
+        Shape(
+            name="hole",
+            kind="socket",
+            place=(0.2, 0.0, 5.0),
+            turn=out,
+            size=(0.011, 0.06, chamfer),
+            friction=0.2,
+        ),
+    ]
+    mechanism = Mechanism(
+        links=links, motors=[Motor(link="peg", effort=2.0)], shapes=shapes, pairs=[("peg", "hole")]
+    )
+    scene = Scene(mechanism, iterations=20)
+    scene.state.q[:] = offset, 0.1
+    scene.command.speed[:] = 0.1
+    scene.run(2000)
+    return float(scene.state.q[1] + 0.05 - 0.2)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.0005, -0.0009, 0.003, 0.0045])
+def test_a_peg_enters_within_clearance_and_chamfer(offset: float) -> None:
+    assert peg(offset, chamfer=0.004) == pytest.approx(0.06, abs=1e-3)
+
+
+@pytest.mark.parametrize(("offset", "chamfer"), [(0.007, 0.004), (0.002, 0.0), (-0.002, 0.0)])
+def test_a_peg_beside_the_mouth_stays_outside(offset: float, chamfer: float) -> None:
+    assert peg(offset, chamfer=chamfer) < 0.003
+
+
+def test_a_lever_between_jaws_is_turned_by_them() -> None:
+    """The contact of capsules carries a moment: two jaws on a lever, one on each side."""
+    links = [
+        Link(
+            name="wrist",
+            joint="revolute",
+            offset=(0.0, 0.0, 5.0),
+            axis=(1.0, 0.0, 0.0),
+            rigid=solid(0.5, (0.1, 0.1, 0.1)),
+        ),
+        Link(
+            name="valve",
+            joint="revolute",
+            offset=(0.05, 0.0, 5.0),
+            axis=(1.0, 0.0, 0.0),
+            rigid=solid(0.5, (0.02, 0.3, 0.02)),
+        ),
+    ]
+    shapes = [
+        Shape(
+            name="up", kind="capsule", link="wrist", place=(0.05, 0.05, 0.025), size=(0.01, 0.05, 0)
+        ),
+        Shape(
+            name="down",
+            kind="capsule",
+            link="wrist",
+            place=(0.05, -0.05, -0.025),
+            size=(0.01, 0.05, 0),
+        ),
+        Shape(name="lever", kind="capsule", link="valve", turn=ALONG_Y, size=(0.01, 0.1, 0.0)),
+    ]
+    mechanism = Mechanism(
+        links=links,
+        motors=[Motor(link="wrist", effort=4.0)],
+        frictions=[Friction(link="valve", resting=3.0, sliding=3.0)],
+        shapes=shapes,
+        pairs=[("up", "lever"), ("down", "lever")],
+    )
+    turning, stalled = Scene(mechanism), Scene(mechanism)
+    turning.command.speed[:] = -0.5
+    mechanism.frictions = [Friction(link="valve", resting=5.0, sliding=5.0)]
+    stalled = Scene(mechanism)
+    stalled.command.speed[:] = -0.5
+
+    turning.run(2000)
+    stalled.run(2000)
+
+    assert abs(turning.state.q[1]) > 0.5 * pi
+    assert abs(stalled.state.q[1]) < 1e-3

@@ -1,0 +1,135 @@
+"""Distances between primitives against many sampled points."""
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from seamark.sim.multibody.distances import (
+    middle_of_passage,
+    nearest_on_segment,
+    point_box,
+    point_socket,
+    rim_direction,
+    segments,
+    spheres,
+)
+from seamark.sim.multibody.vectors import across
+
+Point = tuple[float, float, float]
+NUMBERS = st.floats(-2.0, 2.0)
+POINTS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
+HALVES = st.tuples(*[st.floats(0.05, 1.0)] * 3)
+SHARES = np.linspace(-1.0, 1.0, 401)
+SOCKET = (0.3, 0.8, 0.1)
+
+
+def to_box(points: np.ndarray, half: Point) -> np.ndarray:
+    """Distances of points outside a box, (k,); zero inside."""
+    beyond = np.maximum(np.abs(points) - np.array(half), 0.0)
+    made: np.ndarray = np.sqrt((beyond**2).sum(axis=-1))
+    return made
+
+
+@given(p=POINTS, half=HALVES)
+def test_a_step_along_the_normal_ends_on_the_surface_of_the_box(p: Point, half: Point) -> None:
+    normal, distance = point_box(p, half)
+
+    surface = np.abs(np.array(p) - distance * np.array(normal)) - np.array(half)
+    assert np.linalg.norm(normal) == pytest.approx(1.0)
+    assert surface.max() == pytest.approx(0.0, abs=1e-9)
+    if distance > 1e-9:
+        assert distance == pytest.approx(float(to_box(np.array(p), half)))
+    else:
+        assert distance == pytest.approx((np.abs(p) - np.array(half)).max(), abs=1e-9)
+
+
+@given(middle=POINTS, along=POINTS, half=HALVES)
+def test_the_nearest_point_of_a_segment_is_as_near_to_a_box_as_any_sampled_one(
+    middle: Point, along: Point, half: Point
+) -> None:
+    t = nearest_on_segment(middle, along, half)
+
+    points = np.array(middle) + SHARES[:, None] * np.array(along)
+    found = to_box(np.array(middle) + t * np.array(along), half)
+    assert -1.0 <= t <= 1.0
+    assert float(found) <= to_box(points, half).min() + 1e-5
+
+
+@given(p=POINTS, along=POINTS, half=HALVES)
+def test_a_passage_has_its_middle_in_the_box_and_its_ends_outside(
+    p: Point, along: Point, half: Point
+) -> None:
+    share, passes = middle_of_passage(p, along, half)
+
+    ends = np.array([p, np.array(p) + np.array(along)])
+    middle = np.array(p) + share * np.array(along)
+    if passes:
+        assert (np.abs(middle) - np.array(half)).max() <= 1e-9
+        assert (np.abs(ends).max(axis=1) > 0.0).all()
+        assert ((np.abs(ends) - np.array(half)).max(axis=1) >= 0.0).all()
+    else:
+        inner = np.array(p) + np.linspace(0.0, 1.0, 401)[:, None] * np.array(along)
+        deep = (np.abs(inner) - np.array(half)).max(axis=1)
+        assert deep[0] <= 1e-9 or deep[-1] <= 1e-9 or deep.min() >= -1e-2
+
+
+@given(a=POINTS, along_a=POINTS, b=POINTS, along_b=POINTS)
+def test_two_segments_are_nowhere_nearer_than_where_they_are_said_to_be(
+    a: Point, along_a: Point, b: Point, along_b: Point
+) -> None:
+    s, t, s_last, t_last, parallel = segments(a, along_a, b, along_b)
+
+    def between(first: float, second: float) -> float:
+        one = np.array(a) + first * np.array(along_a)
+        return float(np.linalg.norm(one - np.array(b) - second * np.array(along_b)))
+
+    shares = np.linspace(-1.0, 1.0, 61)
+    ones = np.array(a) + shares[:, None] * np.array(along_a)
+    twos = np.array(b) + shares[:, None] * np.array(along_b)
+    least = np.linalg.norm(ones[:, None] - twos[None], axis=2).min()
+    if not parallel:
+        assert between(s, t) <= least + 1e-6
+    else:  # both ends of the common stretch; the angle is below six degrees
+        reach = 0.11 * float(np.linalg.norm(along_a) + np.linalg.norm(along_b))
+        assert min(between(s, t), between(s_last, t_last)) <= least + reach
+
+
+def test_parallel_segments_touch_at_both_ends_of_their_common_stretch() -> None:
+    ends = segments((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.1, 0.0), (2.0, 0.0, 0.0))
+
+    assert ends == (pytest.approx(-1.0), pytest.approx(-0.75), 1.0, pytest.approx(0.25), True)
+
+
+def test_concentric_spheres_and_points_on_an_axis_get_a_fixed_direction() -> None:
+    assert spheres((1.0, 2.0, 3.0), 0.1, (1.0, 2.0, 3.0), 0.2)[1] == (0.0, 0.0, -1.0)
+    assert point_socket((-0.4, 0.0, 0.0), (0.3, 2.0, 0.1)) == ((0.0, -1.0, 0.0), 0.3)
+    assert rim_direction((0.0, 0.0, 5.0), (0.0, 0.0, 1.0)) == across((0.0, 0.0, 1.0))
+
+
+@given(x=st.floats(-1.0, 0.5), off=st.floats(0.0, 0.8), angle=st.floats(0.0, 2.0 * pi))
+def test_a_socket_is_solid_beside_the_bore_and_below_the_chamfer(
+    x: float, off: float, angle: float
+) -> None:
+    radius, depth, chamfer = SOCKET
+    normal, distance = point_socket((x, off * cos(angle), off * sin(angle)), SOCKET)
+
+    free = x > 0.0 or (off < radius and x > -depth) or (x > -chamfer and off < radius + chamfer + x)
+    edge = min(
+        abs(x), abs(off - radius), abs(x + depth), abs(x + radius + chamfer - off) / sqrt(2.0)
+    )
+    if edge > 1e-9:
+        assert (distance > 0.0) == free
+    assert np.linalg.norm(normal) == pytest.approx(1.0)
+
+
+@given(normal=POINTS.filter(lambda p: sum(x * x for x in p) > 1e-3))
+def test_the_direction_of_friction_is_across_the_normal(normal: Point) -> None:
+    unit = np.array(normal) / np.linalg.norm(normal)
+
+    chosen = np.array(across((unit[0], unit[1], unit[2])))
+
+    assert chosen @ unit == pytest.approx(0.0, abs=1e-12)
+    assert np.linalg.norm(chosen) == pytest.approx(1.0)
