@@ -21,6 +21,7 @@ from seamark.embedded.installed_tools import InstalledTools
 from seamark.embedded.supervisor import Child, Supervisor
 from seamark.embedded.worker_renewal import STEP_EVERY_S, WorkerRenewal
 from seamark.failures import PlatformFailed, UsageRefused
+from seamark.worker.service.command_line import ONE_THREAD
 
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
@@ -205,9 +206,7 @@ def _reachable(host: str) -> str:
 def _bare_environment() -> dict[str, str]:
     """Return the environment without settings: children get all of them from one object."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("SEAMARK_")}
-    # One thread per process: the cores belong to the runs, and sums must not depend on threads.
-    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-    return kept | dict.fromkeys(threads, "1") | {"PYTHONUNBUFFERED": "1"}
+    return kept | ONE_THREAD | {"PYTHONUNBUFFERED": "1"}
 
 
 @contextmanager

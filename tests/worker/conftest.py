@@ -22,7 +22,7 @@ from seamark.server.programs import check_queue
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
-from seamark.worker.service.command_line import worker_arguments
+from seamark.worker.service.command_line import ONE_THREAD, worker_arguments
 from tests.cast import Backend
 from tests.services import tables
 from tests.worker.processes import command_line
@@ -54,7 +54,7 @@ class Service(Backend):
 
     def start_worker(self) -> subprocess.Popen[bytes]:
         command = [sys.executable, *worker_arguments(self.settings)]
-        environment = os.environ | self.settings.environment()
+        environment = os.environ | ONE_THREAD | self.settings.environment()
         worker = subprocess.Popen(command, env=environment, start_new_session=True)
         self.workers.append(worker)
         return worker

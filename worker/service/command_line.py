@@ -1,9 +1,15 @@
 """The command line of the Celery worker; importing it does not load Celery."""
 
+from __future__ import annotations
+
 import secrets
+from typing import TYPE_CHECKING
 
-from seamark.server.settings import Settings
+if TYPE_CHECKING:
+    from seamark.server.settings import Settings
 
+# The cores belong to the runs, and sums must not depend on threads.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 _CELERY = ("-s", "-P", "-m", "celery", "-A", "seamark.worker.service.app")
 
 

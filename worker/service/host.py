@@ -68,21 +68,23 @@ class Host:
         )
 
     def side_process_commands(self) -> dict[str, list[str]]:
-        """Return the processes beside the pool: name -> arguments of the Python interpreter."""
-        parent = str(os.getpid())
-        commands = {"maintenance": ["-m", "seamark.worker.service.maintenance", parent]}
+        """Return the processes beside the pool: name -> what `nursery.spawn` takes."""
+        commands = {"maintenance": ["-m", "seamark.worker.service.maintenance"]}
         if self.settings.mail_url:
-            commands["mail"] = ["-m", "seamark.worker.service.mail_sender", parent]
+            commands["mail"] = ["-m", "seamark.worker.service.mail_sender"]
         if self.languages:
             cores = sorted(os.sched_getaffinity(0), reverse=True)
             for number in range(CHECK_PROCESSES):
                 process, slot = f"checks-{number + 1}", self._slot(cores[number % len(cores)])
-                arguments = [parent, f"{self.name}/{process}", slot.to_json()]
+                arguments = [f"{self.name}/{process}", slot.to_json()]
                 commands[process] = ["-m", "seamark.worker.service.check_loop", *arguments]
         for number in range(self.settings.bridge_places):
             process = f"bridges-{number + 1}"
-            arguments = [parent, f"{self.name}/{process}"]
-            commands[process] = ["-m", "seamark.worker.service.bridge_loop", *arguments]
+            commands[process] = [
+                "-m",
+                "seamark.worker.service.bridge_loop",
+                f"{self.name}/{process}",
+            ]
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:

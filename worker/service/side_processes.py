@@ -7,7 +7,6 @@ lock that this thread holds at the moment; so no fork happens while the thread w
 import os
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +18,7 @@ from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.messaging.workers import RUNNING
 from seamark.server.monitoring.outages import Outage
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
+from seamark.worker.service.nursery import Process, spawn
 
 POLL_S = 0.25  # [s] between two checks of the processes
 REPORT_S = 5.0  # [s] well below seamark.server.messaging.workers.ALIVE_S
@@ -30,6 +30,7 @@ os.register_at_fork(
     before=_no_fork.acquire, after_in_parent=_no_fork.release, after_in_child=_no_fork.release
 )
 ReportStates = Callable[[dict[str, str]], None]
+Start = Callable[[Sequence[str]], Process]
 
 
 class SideProcesses:
@@ -41,6 +42,7 @@ class SideProcesses:
         report: ReportStates,
         *,
         leave: Callable[[], None],
+        start: Start = spawn,
         report_s: float = REPORT_S,
     ) -> None:
         """Start nothing yet.
@@ -48,14 +50,14 @@ class SideProcesses:
         Parameters
         ----------
         commands
-            Name -> arguments of the Python interpreter.
+            Name -> what `start` is given.
         report
             Is called with the state of each process every `report_s`, and when a state changes:
             "running", or "restarting since" with the time of the first death (ISO 8601, UTC).
         leave
             Is called once, after the last report.
         """
-        self._processes = [_SideProcess(name, command) for name, command in commands.items()]
+        self._processes = [_SideProcess(name, command, start) for name, command in commands.items()]
         self._report = report
         self._leave = leave
         self._report_s = report_s
@@ -118,10 +120,10 @@ class SideProcesses:
 class _SideProcess:
     """One process that is restarted, after a back-off, when it ends."""
 
-    def __init__(self, name: str, command: Sequence[str]) -> None:
+    def __init__(self, name: str, command: Sequence[str], start: Start) -> None:
         self.name = name
-        self._command = [sys.executable, "-s", "-P", *command]
-        self._process: subprocess.Popen[bytes] | None = None
+        self._command, self._start = command, start
+        self._process: Process | None = None
         self._backoff = RestartBackoff()
         self._started_at = self._start_at = 0.0  # monotonic
         self._died_at = ""  # the first of the deaths in a row
@@ -135,11 +137,11 @@ class _SideProcess:
     def keep_running(self) -> None:
         """Start the process if it is not running and the time has come."""
         now = time.monotonic()
-        if self._process is not None and self._process.poll() is not None:
-            self._note_death(self._process.returncode, now)
+        if self._process is not None and (code := self._process.poll()) is not None:
+            self._note_death(code, now)
             self._process = None
         if self._process is None and now >= self._start_at:
-            self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
+            self._process = self._start(self._command)
             self._started_at = now
         elif self._process is not None:
             self._backoff.note_life(now - self._started_at)
@@ -164,5 +166,5 @@ class _SideProcess:
         try:
             self._process.wait(STOP_WITHIN_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            self._process.send_signal(signal.SIGKILL)
             self._process.wait()

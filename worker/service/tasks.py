@@ -14,11 +14,13 @@ from celery.signals import (
     worker_shutdown,
     worker_shutting_down,
 )
+from sqlalchemy.orm import configure_mappers
 
 from seamark.server.database.result_code import result_code
 from seamark.server.messaging import broker
 from seamark.worker.service.app import app, settings
 from seamark.worker.service.host import Host
+from seamark.worker.service.nursery import Nursery, spawn
 from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.service.side_processes import SideProcesses
 
@@ -37,9 +39,11 @@ def work() -> None:
 
 @worker_init.connect
 def _probe_host(sender: Any, **_: object) -> None:
-    """Find out what this host can do, and with which code; the pool's children inherit it."""
+    """Find out what this host can do, and with which code; what is forked later inherits it."""
     result_code()
+    configure_mappers()
     _state["host"] = Host.probe(settings, name=str(sender.hostname))
+    _state["nursery"] = Nursery.fork()  # Celery has neither threads nor connections yet
 
 
 @worker_ready.connect
@@ -47,9 +51,13 @@ def _start_side_processes(**_: object) -> None:
     if _stop[0]:
         return
     host: Host = _state["host"]
+    nursery: Nursery | None = _state["nursery"]
     # Their first report lists the worker; their thread takes it off the list again.
     side_processes = SideProcesses(
-        host.side_process_commands(), host.heartbeat, leave=host.unregister
+        host.side_process_commands(),
+        host.heartbeat,
+        leave=host.unregister,
+        start=nursery.start if nursery else spawn,
     )
     side_processes.start()
     _state["side_processes"] = side_processes
@@ -80,6 +88,9 @@ def _end(**_: object) -> None:
     if "side_processes" in _state:
         _state["side_processes"].stop()  # a signal may have come just before they were started
         _state["side_processes"].join()
+    nursery: Nursery | None = _state["nursery"]
+    if nursery is not None:
+        nursery.close()
 
 
 def _run_loop() -> RunLoop:

@@ -65,14 +65,14 @@ def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> N
         return
     from seamark.server.database import schema
     from seamark.server.database.data_folder import WrongDataFolder
-    from seamark.worker.service.command_line import worker_arguments
+    from seamark.worker.service.command_line import ONE_THREAD, worker_arguments
 
     try:
         schema.check_all(settings, computes=True)
     except (schema.SchemaTooOld, WrongDataFolder) as error:
         raise PlatformFailed(f"{error}.") from None
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
-    environ |= settings.environment()
+    environ |= ONE_THREAD | settings.environment()
     if as_json:
         print_json({"data": str(settings.data), "runs_at_once": settings.workers})
     arguments = [
