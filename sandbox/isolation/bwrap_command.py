@@ -18,7 +18,7 @@ from typing import Self
 from seamark.sandbox.isolation.readable_copies import readable_by_all
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.runtime import Runtime
+from seamark.sandbox.runtime import LIBRARIES, Runtime
 
 DEVICES = ("null", "zero", "full", "random", "urandom")
 DEV_BYTES = 65536  # [B] size of /dev
@@ -28,6 +28,8 @@ INNER_PROCESSES = 1  # bubblewrap's inner init, in the same namespace
 FIRST_DESCRIPTOR = 3  # in the box: the protocol's socket, after the standard streams
 IMAGES_DESCRIPTOR = 4
 CPU_GRACE_S = 10  # [s] RLIMIT_CPU counts the start too; it is the backstop for a worker that hangs
+
+_ROOT_LIBRARIES = (Path("/lib"), Path("/lib64"))
 
 NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
 
@@ -101,17 +103,20 @@ def bwrap_command(
     return [*command, "--", *runtime.command, *map(str, numbers)]
 
 
+def library_folders() -> list[Path]:
+    """Return the folders of the system's libraries, which every box sees."""
+    folders = [LIBRARIES, Path("/usr/lib64"), *_ROOT_LIBRARIES]
+    links = [folder for folder in _ROOT_LIBRARIES if folder.is_symlink()]
+    return [folder for folder in folders if folder.is_dir() and folder not in links]
+
+
 def _libraries() -> Iterator[str]:
     """Yield the options for the system's libraries: no programs, no /etc, no /home."""
-    multiarch = Path("/usr/lib/x86_64-linux-gnu")
-    for folder in (multiarch, Path("/usr/lib64")):
-        if folder.is_dir():
-            yield from ("--ro-bind", str(folder), str(folder))
-    for link in (Path("/lib"), Path("/lib64")):
+    for folder in library_folders():
+        yield from ("--ro-bind", str(folder), str(folder))
+    for link in _ROOT_LIBRARIES:
         if link.is_symlink():
             yield from ("--symlink", os.readlink(link), str(link))
-        elif link.is_dir():
-            yield from ("--ro-bind", str(link), str(link))
 
 
 def _writable(limits: Limits) -> Iterator[str]:

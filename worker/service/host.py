@@ -12,9 +12,9 @@ from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
-from seamark.sandbox.probing import self_test
+from seamark.sandbox.probing.kept_tests import KeptTests
 from seamark.sandbox.probing.probes import Finding, IsolationReport, probe
-from seamark.sandbox.probing.self_test import Component
+from seamark.sandbox.probing.self_test import Component, Result
 from seamark.server.database.engine import Database
 from seamark.server.database.result_code import result_code
 from seamark.server.database.tables import Worker
@@ -138,11 +138,12 @@ class Host:
             database.close()
 
 
-def _try_languages(report: IsolationReport, settings: Settings) -> dict[str, self_test.Result]:
+def _try_languages(report: IsolationReport, settings: Settings) -> dict[str, Result]:
     """Return the result of each language's self-test; none if isolation is too weak."""
     if report.level < IsolationLevel[settings.sandbox_min_level.upper()]:
         return {}
-    tried = {name: self_test.tried(name, report.level) for name in LANGUAGES}
+    tests = KeptTests(report.level)
+    tried = {name: tests.result(name) for name in LANGUAGES}
     for name, result in tried.items():
         if result.why_not:
             _log.warning("language_missing", language=name, why=result.why_not)
