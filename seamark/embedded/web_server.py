@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import resource
 import socket
@@ -38,8 +39,10 @@ class _Application(BaseApplication):  # type: ignore[misc]
 
     def load(self) -> Any:
         """Return the ASGI application."""
+        gc.disable()  # of modules hardly anything is garbage
         from seamark.server.app import WebApplication
 
+        gc.enable()
         return WebApplication(self._settings)
 
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 # The cores belong to the runs, and sums must not depend on threads.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-_CELERY = ("-s", "-P", "-m", "celery", "-A", "seamark.worker.service.app")
+_CELERY = ("-m", "seamark.worker.service.main_process", "-A", "seamark.worker.service.app")
 
 
 def worker_arguments(settings: Settings, *, quiet: bool = False) -> list[str]:
@@ -21,6 +21,7 @@ def worker_arguments(settings: Settings, *, quiet: bool = False) -> list[str]:
     """
     name = f"seamark-{secrets.token_hex(4)}@%h"
     return [
+        *("-s", "-P"),
         *_CELERY,
         *(["--quiet"] if quiet else []),
         *("worker", "-P", "prefork", "-c", str(settings.workers)),

@@ -7,7 +7,6 @@ socket. A side process gets what it would get from a new interpreter: the standa
 input, the arguments and the signals; and it ends with its worker.
 """
 
-import gc
 import importlib
 import json
 import os
@@ -161,8 +160,6 @@ def _be_nursery(control: socket.socket, parent: int) -> None:
     _forget_handlers()
     _let_go_of_all_but(control)
     show_as([*_INTERPRETER, "-m", __name__, str(parent)])
-    gc.collect()
-    gc.freeze()  # what is loaded stays, and is shared as long as nobody touches it
     children: dict[int, _Child] = {}  # by pidfd
     while True:
         for descriptor in select.select([control.fileno(), *children], [], [])[0]:

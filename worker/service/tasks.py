@@ -1,5 +1,6 @@
 """What Celery calls: the task of a ticket, and the start and end of its processes."""
 
+import gc
 import mmap
 import os
 from typing import Any
@@ -43,6 +44,8 @@ def _probe_host(sender: Any, **_: object) -> None:
     result_code()
     configure_mappers()
     _state["host"] = Host.probe(settings, name=str(sender.hostname))
+    gc.freeze()  # what is loaded stays, and forks share it as long as nobody touches it
+    gc.enable()  # see seamark.worker.service.main_process
     _state["nursery"] = Nursery.fork()  # Celery has neither threads nor connections yet
 
 

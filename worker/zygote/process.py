@@ -1,7 +1,5 @@
 """The simulator zygote: one warm process per Celery child, which forks a child for each run.
 
-    python -s -P -m seamark.worker.zygote.process <descriptor> <slot> <parent>
-
 It loads the simulator and its compiled code once. A job comes as one packet on the descriptor,
 together with the socket for the messages of the child. Boxes of each language are started between
 runs and wait here, so that a run begins in milliseconds. Nothing of a run survives in the zygote:
@@ -9,11 +7,11 @@ the child that ran it ends, and its boxes with it.
 """
 
 import contextlib
+import gc
 import os
 import select
 import signal
 import socket
-import sys
 from typing import NamedTuple
 
 from seamark.sandbox.isolation.cgroups import remove_orphans
@@ -143,14 +141,12 @@ def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutc
 
 
 def main(arguments: list[str]) -> None:
-    """Be the zygote."""
+    """Be the zygote: of a control socket's descriptor, a slot and the process of the client."""
     descriptor, slot_json, parent = arguments
     die_with_parent(int(parent))
+    gc.freeze()  # modules stay, and forks share them as long as nobody touches them
+    gc.enable()  # disabled by the client; compiling leaves garbage
     slot = WorkerSlot.from_json(slot_json)
     with socket.socket(fileno=int(descriptor)) as control:
         warm_up(slot.cores().announce_part)
         Zygote(control, slot).serve()
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
