@@ -44,16 +44,15 @@ _USED_STEP_S = 600.0  # `last_used_at` is written at most this often
 _hasher = PasswordHasher()
 
 
-def _hash_of_no_password() -> str:
-    """Return a drawn hash: to compute that of a password would delay each process by 0.2 s."""
-    costs = f"m={_hasher.memory_cost},t={_hasher.time_cost},p={_hasher.parallelism}"
-    drawn = map(secrets.token_bytes, (_hasher.salt_len, _hasher.hash_len))
+def _hash_of_no_password(hasher: PasswordHasher) -> str:
+    """Return a drawn hash, which costs as much to verify as those of `hasher`, and nothing to make.
+
+    Verified for unknown names, so that the response time does not reveal which names exist.
+    """
+    costs = f"m={hasher.memory_cost},t={hasher.time_cost},p={hasher.parallelism}"
+    drawn = map(secrets.token_bytes, (hasher.salt_len, hasher.hash_len))
     salt, digest = (b64encode(one).rstrip(b"=").decode() for one in drawn)
     return f"$argon2id$v={ARGON2_VERSION}${costs}${salt}${digest}"
-
-
-# Verified for unknown names, so that the response time does not reveal which names exist.
-_DUMMY_HASH = _hash_of_no_password()
 
 
 class AccountRejected(Exception):
@@ -87,7 +86,8 @@ def authenticate(session: Session, name: str, password: str) -> User | None:
     user = session.scalar(select(User).where(User.name_key == name.casefold()))
     password_hash = user.password_hash if user is not None else None
     try:
-        _hasher.verify(password_hash or _DUMMY_HASH, password[: PASSWORD_MAX + 1])
+        known = password_hash or _hash_of_no_password(_hasher)
+        _hasher.verify(known, password[: PASSWORD_MAX + 1])
     except (VerificationError, InvalidHashError):
         return None
     return user if password_hash else None
