@@ -1,14 +1,20 @@
 """What an application compiles at its start and for its pages, once in a process of tests.
 
-Each test has an application of its own; the service has one. Compiling took most of their time.
+Each test has an application and a database of its own; the service has one. Compiling took most of
+their time.
 """
 
 from collections.abc import Callable, Iterable
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from flask import Flask
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
+from sqlalchemy import Engine
+from sqlalchemy.dialects import registry
+from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
+from sqlalchemy.dialects.sqlite.pysqlite import SQLiteDialect_pysqlite
+from sqlalchemy.util import LRUCache
 from werkzeug.routing import BaseConverter, Rule
 from werkzeug.routing.rules import RulePart
 
@@ -60,7 +66,37 @@ class CompiledRule(Rule):
         return self._builders[key]
 
 
+class _CompiledStatements:
+    """Makes the dialects of one kind equal, and their engines share the statements they compile."""
+
+    _compiled: ClassVar[LRUCache[Any, Any]] = LRUCache(5000)
+
+    @classmethod
+    def engine_created(cls, engine: Engine) -> None:
+        engine.update_execution_options(compiled_cache=cls._compiled)
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other)
+
+    def __hash__(self) -> int:
+        return hash(type(self))
+
+
+class CompiledSqlite(_CompiledStatements, SQLiteDialect_pysqlite):
+    """SQLite, all of whose databases are of one version here."""
+
+    supports_statement_cache = True
+
+
+class CompiledPostgresql(_CompiledStatements, PGDialect_psycopg):
+    """PostgreSQL, all of whose databases are of one version here."""
+
+    supports_statement_cache = True
+
+
 def share() -> None:
     """Let the applications that are created from now on share what they compile."""
+    registry.register("sqlite", __name__, CompiledSqlite.__name__)
+    registry.register("postgresql.psycopg", __name__, CompiledPostgresql.__name__)
     Flask.jinja_options = {"bytecode_cache": CompiledTemplates()}
     Flask.url_rule_class = CompiledRule
