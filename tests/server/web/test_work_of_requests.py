@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
@@ -16,6 +16,7 @@ from performance.service.database.requests import BENCHMARK, addresses, create_f
 from performance.service.database.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
+from seamark.server.runs.downloads.conversions import Conversions
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
@@ -106,6 +107,9 @@ def _steps(connection: Connection, statement: str, values: Any) -> int:
 def work(both: Backend) -> Iterator[Work]:
     app = create_app(both.settings)
     site = Site(**vars(both), app=app, headers={})
+    # A file is written by a process that is told the rows, and asks no database.
+    written = Conversions(command=("true",))
+    app.extensions["seamark"] = replace(site.services, conversions=written)
     yield Work(site)
     site.services.close()
 
