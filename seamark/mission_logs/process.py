@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from seamark.mission_logs.mapping import LogMapping
-from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.result import LogRefused
 from seamark.mission_logs.scope import check_benchmark
 from seamark.sim.registry import DEFAULT_BENCHMARK
@@ -41,6 +40,8 @@ def _answer(request: dict[str, Any]) -> dict[str, Any]:
         mapping = _mapping(request["mapping"])
         benchmark = request["benchmark"] or mapping.benchmark or DEFAULT_BENCHMARK
         check_benchmark(benchmark)
+        from seamark.mission_logs.measuring import measure  # half of the time of a refusal
+
         result = measure(Path(request["path"]), mapping, benchmark=benchmark)
     except LogRefused as reason:
         return {"refused": str(reason)}
