@@ -19,6 +19,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
+from seamark.server.monitoring import meters
 from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import compiled_once, postgres, s3, scratch, tables, valkey
@@ -155,6 +156,9 @@ def other_postgres_url(_postgres: str) -> Iterator[str]:
 @pytest.fixture
 def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
     """Settings of a service with its own data folder, database and broker."""
+    # Or each service would look through the routes of all before it.
+    for counted in (meters.HTTP_REQUESTS, meters.HTTP_SECONDS):
+        counted.clear()
     return Settings.model_validate(
         {
             "data": tmp_path / "data",
@@ -170,8 +174,7 @@ def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
 @pytest.fixture
 def database(settings: Settings) -> Iterator[Database]:
     """The SQLite database of `settings`, with tables."""
-    tables.create(settings)
-    opened = Database(settings.database_url)
+    opened = tables.create(settings)
     yield opened
     opened.close()
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import pytest
 
-from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import tables
@@ -16,9 +15,8 @@ def both(request: pytest.FixtureRequest, settings: Settings) -> Iterator[Backend
     if request.param == "postgresql":
         url = request.getfixturevalue("postgres_tables_url")
         settings = settings.model_copy(update={"database_url": url})
-        tables.adopt(settings)
+        database = tables.adopt(settings)
     else:
-        tables.create(settings)
-    database = Database(settings.database_url)
+        database = tables.create(settings)
     yield Backend.with_cast(database, settings)
     database.close()

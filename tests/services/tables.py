@@ -14,19 +14,20 @@ from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
 
 
-def create(settings: Settings) -> None:
+def create(settings: Settings) -> Database:
     """Do what `schema.upgrade` does to a new SQLite database, without its migrations."""
     path = make_url(settings.database_url).database
     assert path is not None
     Path(path).write_bytes(_migrated())
-    adopt(settings)
+    return adopt(settings)
 
 
-def adopt(settings: Settings) -> None:
+def adopt(settings: Settings) -> Database:
     """Make a copied database that of `settings`, as the end of `schema.upgrade` does."""
-    with closing(Database(settings.database_url)) as database:
-        with database.engine.begin() as connection:
-            data_folder.adopt(connection, settings)
+    database = Database(settings.database_url)
+    with database.engine.begin() as connection:
+        data_folder.adopt(connection, settings)
+    return database
 
 
 def migrate(url: str) -> None:

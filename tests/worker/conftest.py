@@ -168,7 +168,7 @@ def running(_bare: Service) -> Service:
 @pytest.fixture
 def service(settings: Settings) -> Iterator[Service]:
     """A service on SQLite and a Unix socket, without a worker yet."""
-    tables.create(settings)
+    tables.create(settings).close()
     made = service_with(settings.model_copy(update=QUICK))
     yield made
     made.close()

@@ -37,7 +37,7 @@ def _bad(settings: Settings) -> dict[str, str]:
 def service(settings: Settings) -> Settings:
     """A service in order, in its data folder."""
     settings = Settings.model_validate(settings.model_dump() | {"seed_key": "", "secret_key": ""})
-    tables.create(settings)
+    tables.create(settings).close()
     return settings
 
 

@@ -33,7 +33,7 @@ def server(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[W
     """A server without users and runs."""
     values = {"data": tmp_path_factory.mktemp("web"), "broker_url": _valkey}
     settings = Settings.model_validate(values | {"secret_key": "only-for-tests"})
-    tables.create(settings)
+    tables.create(settings).close()
     with web.serving(settings) as serving:
         yield serving
 

@@ -65,8 +65,7 @@ REFUSED = (
 def service(settings: Settings, postgres_tables_url: str) -> Iterator[Backend]:
     """The cast on PostgreSQL, with a role for workers."""
     settings = settings.model_copy(update={"database_url": postgres_tables_url})
-    tables.adopt(settings)
-    database = Database(postgres_tables_url)
+    database = tables.adopt(settings)
     with database.engine.begin() as connection:
         connection.execute(text(f"DROP ROLE IF EXISTS {ROLE}"))
         connection.execute(text(f"CREATE ROLE {ROLE} LOGIN"))

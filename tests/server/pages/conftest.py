@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
@@ -13,7 +13,7 @@ from werkzeug.test import TestResponse
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.web import authentication, identity_provider
-from tests.cast import STAFF, USERS, Backend
+from tests.cast import Backend
 from tests.services import oidc
 from tests.services.oidc import Provider
 
@@ -76,25 +76,28 @@ class Site(Backend):
     """The application on the database of the cast."""
 
     app: Flask
-    cookies: dict[str, dict[str, Any]]
+    _cookies: dict[str, dict[str, Any]] = field(default_factory=lambda: {"stranger": {}})
 
     def browser(self, name: str = "stranger") -> Browser:
         """Return a browser in which `name` is signed in; a stranger's is empty."""
+        if name not in self._cookies:
+            self.sign_in(name)
         client = self.app.test_client()
         client.response_wrapper = type("Page", (PageText, client.response_wrapper), {})
         with client.session_transaction() as session:
-            session.update(self.cookies[name])
+            session.update(self._cookies[name])
         return Browser(client)
+
+    def sign_in(self, name: str) -> None:
+        """Sign `name` in anew, in the browsers from now on."""
+        with self.app.app_context():
+            self._cookies[name] = authentication.cookie_of(self.user_id(name))
 
 
 @pytest.fixture
 def site(backend: Backend) -> Iterator[Site]:
     app = create_app(backend.settings)
-    cookies: dict[str, dict[str, Any]] = {"stranger": {}}
-    with app.app_context():
-        for name in (*USERS, *STAFF):
-            cookies[name] = authentication.cookie_of(backend.user_id(name))
-    yield Site(**vars(backend), app=app, cookies=cookies)
+    yield Site(**vars(backend), app=app)
     app.extensions["seamark"].close()
 
 
@@ -102,13 +105,7 @@ def with_settings(backend: Backend, provider: Provider, **changes: Any) -> Site:
     values = {"oidc_issuer": provider.issuer, "oidc_client_id": oidc.CLIENT, "url": URL}
     values |= {"oidc_client_secret": oidc.SECRET, "oidc_name": "Example ID"} | changes
     settings = backend.settings.model_copy(update=values)
-    app = create_app(settings)
-    cookies: dict[str, dict[str, Any]] = {"stranger": {}}
-    with app.app_context():
-        for name in ("ann", "ben"):
-            cookies[name] = authentication.cookie_of(backend.user_id(name))
-    state = vars(backend) | {"settings": settings}
-    return Site(**state, app=app, cookies=cookies)
+    return Site(**vars(backend) | {"settings": settings}, app=create_app(settings))
 
 
 @pytest.fixture

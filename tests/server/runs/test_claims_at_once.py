@@ -34,8 +34,7 @@ PATIENCE_S = 60.0
 def backend(settings: Settings, postgres_tables_url: str) -> Iterator[Backend]:
     """The cast on PostgreSQL."""
     settings = settings.model_copy(update={"database_url": postgres_tables_url})
-    tables.adopt(settings)
-    database = Database(settings.database_url)
+    database = tables.adopt(settings)
     yield Backend.with_cast(database, settings)
     database.close()
 

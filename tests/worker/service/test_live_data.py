@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 from redis import Redis
 
-from seamark.server.database.engine import Database
 from seamark.server.messaging import broker, live_data
 from seamark.server.runs.data.files import HEAD_MAX, RunFiles
 from seamark.server.storage import storage
@@ -30,8 +29,7 @@ class Watched(Machines):
 
     def __init__(self, folder: Path, shared: dict[str, Any]) -> None:
         super().__init__(folder, shared)
-        tables.create(self.web)
-        self.database = Database(self.web.database_url)
+        self.database = tables.create(self.web)
         claim = Backend.with_cast(self.database, self.web).running("ann")
         self.run_id, self.attempt = claim.run_id, claim.attempt
         self.redis = broker.connect(self.web)

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.server.monitoring import meters
 from seamark.server.programs import check_queue as checks
@@ -62,8 +61,7 @@ def backend(
     shared = s3_server.settings(tmp_path.name) | {"storage_endpoint": storage.endpoint}
     short = {"lease_s": LEASE_S}
     settings = Settings.model_validate(settings.model_dump() | shared | short)
-    tables.create(settings)
-    database = Database(settings.database_url)
+    database = tables.create(settings)
     yield Backend.with_cast(database, settings)
     database.close()
 

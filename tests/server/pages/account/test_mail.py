@@ -16,7 +16,6 @@ from seamark.server.database.mail_tables import OutgoingMail
 from seamark.server.database.operation_tables import AuditEntry
 from seamark.server.mail import addresses
 from seamark.server.mail.outbox import MailKind
-from seamark.server.web import authentication
 from tests.server.pages.conftest import Site
 
 WORDS = "correct horse battery"
@@ -33,8 +32,7 @@ def mailing(site: Site) -> Site:
     site.app.extensions["seamark"] = replace(current, settings=settings)
     with site.database.writing() as session:
         accounts.change_password(session, "ann", WORDS)
-    with site.app.app_context():
-        site.cookies["ann"] = authentication.cookie_of(site.user_id("ann"))
+    site.sign_in("ann")
     return site
 
 

@@ -12,7 +12,6 @@ from seamark.server.messaging import workers
 from seamark.server.runs.data import disk_usage
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.submission.quota import QuotaExceeded
-from seamark.server.web import authentication
 from tests.server.pages.conftest import Site
 
 WORDS = "correct horse battery"
@@ -126,8 +125,7 @@ def test_a_disabled_account_is_refused_at_once_and_comes_back(site: Site) -> Non
     with site.database.writing() as session:
         token = accounts.new_token(session, site.user_id("ann"), "t", ["read"])
     account = f"/admin/users/{site.user_id('ann')}"
-    with site.app.app_context():
-        site.cookies["ann"] = authentication.cookie_of(site.user_id("ann"))
+    site.sign_in("ann")
     cookie = site.browser("ann")
     headers = {"Authorization": f"Bearer {token}"}
     queued, running = site.queue("ann"), site.claim_next()

@@ -135,8 +135,7 @@ def on_s3(settings: Settings, s3_server: s3.Server, tmp_path: Path) -> Iterator[
     """The cast on a service that keeps its files in S3."""
     shared = s3_server.settings(tmp_path.name) | {"seed_key": "of the tests"}
     chosen = Settings.model_validate(settings.model_dump() | shared)
-    tables.create(chosen)
-    database = Database(chosen.database_url)
+    database = tables.create(chosen)
     yield Backend.with_cast(database, chosen)
     database.close()
 
