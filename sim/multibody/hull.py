@@ -26,6 +26,7 @@ from seamark.sim.multibody.step import Command, Model, State, Work, move_coordin
 from seamark.sim.multibody.tree import factorise, place, write_bias, write_mass
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import TargetBox
@@ -48,6 +49,7 @@ class Hull:
         self._none = command_for(self._model)
         self._ground = bottom.ground()
         self._box = box
+        self._push = SameTypes(push_hull)
         if self._moves and box is not None:
             s, c = sincos(0.5 * box.yaw)
             self._state.q[7:14] = *box.centre, c, 0.0, 0.0, s
@@ -55,7 +57,7 @@ class Hull:
     def step(self, before: Array, after: Array, step_s: float) -> Array:
         """Return the impulse of all contacts on the hull, like `Contact.impulse`."""
         out = np.empty(6)
-        push_hull(
+        self._push.call(
             Timing(step_s, ITERATIONS),
             self._model,
             self._state,
