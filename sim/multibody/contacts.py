@@ -5,6 +5,7 @@ from typing import NamedTuple
 from numba import njit
 
 from seamark.sim.multibody.distances import (
+    common_stretch,
     middle_of_passage,
     nearest_on_segment,
     point_box,
@@ -41,7 +42,7 @@ SLOTS = {
     (CAPSULE, GROUND): 2,
     (BOX, GROUND): 8,
     (CYLINDER, GROUND): 6,
-    (CAPSULE, CAPSULE): 2,
+    (CAPSULE, CAPSULE): 3,
     (CAPSULE, BOX): 3,
     (BOX, BOX): 40,
     (CYLINDER, SOCKET): 6,
@@ -163,7 +164,9 @@ def _touch_ground(a: int, slot: int, shapes: Shapes, ground: Mounds, to: Touches
     if shapes.kind[a] == CAPSULE:
         along = times(axis, half)
         _put_touch(slot, _sphere_ground(plus(centre, along), radius, ground), to)
-        _put_touch(slot + 1, _sphere_ground(minus(centre, along), radius, ground), to)
+        point, normal, gap = _sphere_ground(minus(centre, along), radius, ground)
+        gap = select(half > 0.0, gap, 2.0 * MARGIN_M)  # a sphere has one end
+        _put_touch(slot + 1, (point, normal, gap), to)
     elif shapes.kind[a] == BOX:
         for corner in range(8):
             p = _corner(a, corner, shapes, to)
@@ -211,16 +214,19 @@ def _rim_point(middle: Vector, axis: Vector, wanted: Vector, radius: float, k: i
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of two capsules: where they are nearest, and beside each other's ends."""
     centre_a, centre_b = three(to.centre, a, 0), three(to.centre, b, 0)
     along_a = times(column(to.turned, a, 0), shapes.size[a, 1])
     along_b = times(column(to.turned, b, 0), shapes.size[b, 1])
-    s, t, s_last, t_last, parallel = segments(centre_a, along_a, centre_b, along_b)
-    radius_a, radius_b = shapes.size[a, 0], shapes.size[b, 0]
-    p, q = plus(centre_a, times(along_a, s)), plus(centre_b, times(along_b, t))
-    _put_touch(slot, spheres(p, radius_a, q, radius_b), to)
-    p, q = plus(centre_a, times(along_a, s_last)), plus(centre_b, times(along_b, t_last))
-    point, normal, gap = spheres(p, radius_a, q, radius_b)
-    _put_touch(slot + 1, (point, normal, select(parallel, gap, 2.0 * MARGIN_M)), to)
+    s, t = segments(centre_a, along_a, centre_b, along_b)
+    first, first_b, last, last_b, exists = common_stretch(centre_a, along_a, centre_b, along_b)
+    for k in range(3):
+        one, two = (s, t) if k == 0 else (first, first_b) if k == 1 else (last, last_b)
+        p, q = plus(centre_a, times(along_a, one)), plus(centre_b, times(along_b, two))
+        point, normal, gap = spheres(p, shapes.size[a, 0], q, shapes.size[b, 0])
+        if k > 0:
+            gap = select(exists, gap, 2.0 * MARGIN_M)
+        _put_touch(slot + k, (point, normal, gap), to)
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -24,10 +24,12 @@ from seamark.sim.numerics.lanes import like, select, sqrt
 
 Touch = tuple[Vector, Vector, float]
 _TINY = 1e-12  # [m] lengths below it have no direction
+_SHORT = 1e-3  # share of a segment: a common stretch below it is a point
 _BISECTIONS = 20  # of a segment of 1 m: within 1 um
 _NO_DIRECTION = 1e-6
 _SQRT_HALF = 0.7071067811865476
-_NEARLY_PARALLEL = 0.01  # squared sine of the angle below which two segments touch at two points
+_PARALLEL = 1e-8  # squared sine of the angle below which segments have no nearest points
+_NEARLY_PARALLEL = 0.01  # below which the ends of their common stretch are nearly as near
 
 
 @njit(cache=True, error_model="numpy")
@@ -103,48 +105,60 @@ def middle_of_passage(p: Vector, along: Vector, half: Vector) -> tuple[float, bo
 
 
 @njit(cache=True, error_model="numpy")
-def segments(
-    a: Vector, along_a: Vector, b: Vector, along_b: Vector
-) -> tuple[float, float, float, float, bool]:
+def segments(a: Vector, along_a: Vector, b: Vector, along_b: Vector) -> tuple[float, float]:
     """Return where two segments a ± along_a and b ± along_b are nearest to each other.
 
     Returns
     -------
     s, t : float
-        Share of `along_a` and of `along_b`, from -1 to 1 (Ericson 2005, 5.1.9). If they are nearly
-        parallel, those of the first end of their common stretch on a.
-    s2, t2 : float
-        Those of the other end.
-    parallel : bool
-        Whether they are nearly parallel and have a common stretch.
+        Share of `along_a` and of `along_b`, from -1 to 1 (Ericson 2005, 5.1.9). Of parallel ones,
+        the middle of their common stretch.
     """
     zero = like(a[0], 0.0)
+    one = zero + 1.0
     between = minus(a, b)
     aa, bb, ab = dot(along_a, along_a), dot(along_b, along_b), dot(along_a, along_b)
     ca, cb = dot(along_a, between), dot(along_b, between)
     long_a, long_b = aa > _TINY * _TINY, bb > _TINY * _TINY
     safe_a, safe_b = select(long_a, aa, 1.0), select(long_b, bb, 1.0)
     spread = aa * bb - ab * ab
-    crossing = spread > _NEARLY_PARALLEL * aa * bb
+    crossing = spread > _PARALLEL * aa * bb
+    first, last = clamped((-ab - ca) / safe_a, -one, one), clamped((ab - ca) / safe_a, -one, one)
+    crossed = clamped((ab * cb - ca * bb) / select(crossing, spread, one), -one, one)
+    s = select(crossing, crossed, 0.5 * (first + last))
+    t = select(long_b, clamped((ab * s + cb) / safe_b, -one, one), zero)
+    s = select(crossing | (abs(t) >= one), clamped((ab * t - ca) / safe_a, -one, one), s)
+    return select(long_a, s, zero), t
+
+
+@njit(cache=True, error_model="numpy")
+def common_stretch(
+    a: Vector, along_a: Vector, b: Vector, along_b: Vector
+) -> tuple[float, float, float, float, bool]:
+    """Return the ends of what two segments that are nearly parallel have beside each other.
+
+    Returns
+    -------
+    s, t, s_last, t_last : float
+        Shares of `along_a` and of `along_b` at one end and at the other, from -1 to 1.
+    exists : bool
+        Whether they are nearly parallel and have such a stretch.
+    """
+    zero = like(a[0], 0.0)
     one = zero + 1.0
-    s = clamped((ab * cb - ca * bb) / select(crossing, spread, one), -one, one)
-    s = select(crossing, s, zero)
-    t = (ab * s + cb) / safe_b
-    t = select(long_b, clamped(t, -one, one), zero)
-    s = select(long_a, clamped((ab * t - ca) / safe_a, -one, one), zero)
-    # Nearly parallel: the ends of b on a, cut to a.
-    first = clamped((-ab - ca) / safe_a, -one, one)
-    last = clamped((ab - ca) / safe_a, -one, one)
-    apart = select(first < last, last - first, first - last)
-    parallel = long_a & long_b & (spread <= _NEARLY_PARALLEL * aa * bb) & (apart > 1e-3)
-    t_first = clamped((ab * first + cb) / safe_b, -one, one)
-    t_last = clamped((ab * last + cb) / safe_b, -one, one)
+    between = minus(a, b)
+    aa, bb, ab = dot(along_a, along_a), dot(along_b, along_b), dot(along_a, along_b)
+    ca, cb = dot(along_a, between), dot(along_b, between)
+    long_a, long_b = aa > _TINY * _TINY, bb > _TINY * _TINY
+    safe_a, safe_b = select(long_a, aa, 1.0), select(long_b, bb, 1.0)
+    first, last = clamped((-ab - ca) / safe_a, -one, one), clamped((ab - ca) / safe_a, -one, one)
+    exists = long_a & long_b & (aa * bb - ab * ab <= _NEARLY_PARALLEL * aa * bb)
     return (
-        select(parallel, first, s),
-        select(parallel, t_first, t),
-        select(parallel, last, s),
-        select(parallel, t_last, t),
-        parallel,
+        first,
+        clamped((ab * first + cb) / safe_b, -one, one),
+        last,
+        clamped((ab * last + cb) / safe_b, -one, one),
+        exists & (abs(last - first) > _SHORT),
     )
 
 

@@ -21,7 +21,7 @@ from seamark.sim.multibody.mechanism import (
     state_for,
     work_for,
 )
-from seamark.sim.multibody.solver import Constraints, Timing, apply_impulses
+from seamark.sim.multibody.solver import Constraints, Moving, Timing, apply_impulses
 from seamark.sim.multibody.step import Command, Model, State, Work, move_coordinates, move_freely
 from seamark.sim.multibody.tree import factorise, place, write_bias, write_mass
 from seamark.sim.numerics.arrays import Array
@@ -181,7 +181,8 @@ def push_hull(
     place_shapes(model.shapes, frames, work.touches)
     find_touches(model.shapes, ground, work.touches)
     constraints = Constraints(structure, model.shapes, model.rows, state.impulses)
-    apply_impulses(timing, constraints, q, v, command.speed, frames, work.touches, work.solving)
+    moving = Moving(q, v, v, command.speed)  # no joint has friction, which asks for those before
+    apply_impulses(timing, constraints, moving, frames, work.touches, work.solving)
     for i in range(6):
         out[i] = 0.0
         for j in range(6):

@@ -203,6 +203,8 @@ class Mechanism:
                 a, b, kinds = b, a, kinds[::-1]
             if kinds not in SLOTS:
                 raise ValueError(f"no contact between these shapes is known: {names}")
+            if self.shapes[a].link == self.shapes[b].link:
+                raise ValueError(f"these shapes do not move against each other: {names}")
             ordered.append((a, b))
         return ordered
 
@@ -377,5 +379,6 @@ def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
         solving=zeros(Solving, sizes, lanes, integers=integers),
         wrench=np.zeros((6, *lanes)),
         x=np.zeros((n, *lanes)),
+        before=np.zeros((n, *lanes)),
         acceleration=np.zeros((n, *lanes)),
     )

@@ -74,6 +74,15 @@ class Constraints(NamedTuple):
     impulses: Impulses
 
 
+class Moving(NamedTuple):
+    """What moves in a step, and how it should."""
+
+    q: Array  # (c,) coordinates
+    v: Array  # (n,) speeds: those of the end of the step, changed by impulses
+    before: Array  # (n,) those of its beginning
+    command: Array  # (a,) speeds of the motors
+
+
 class Timing(NamedTuple):
     """Length of a step [s], and how often the solver goes through its rows."""
 
@@ -101,6 +110,9 @@ class Solving(NamedTuple):
 
 
 STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
+# [1/kg] Least inverse mass in a direction. Nothing weighs so much: shapes cannot be moved in it, as
+# those of a piston across its bore, and a force there would mean nothing.
+IMMOVABLE = 1e-9
 RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
 
 
@@ -145,12 +157,12 @@ def _prepare_places(structure: Structure, rows: Rows, frames: Frames, work: Solv
 @njit(cache=True, error_model="numpy", inline="always")
 def _prepare_joints(
     rows: Rows,
-    moving: tuple[Array, Array, Array],
+    moving: Moving,
     step_s: float,
     impulses: Impulses,
     work: Solving,
 ) -> None:
-    q, v, command = moving
+    q = moving.q
     infinite = np.inf
     for r in range(rows.kind.size):
         kind, place = rows.kind[r], rows.place[r]
@@ -160,10 +172,10 @@ def _prepare_joints(
         at = rows.coordinate[place]
         share, give = soft_row(rows.stiffness[r], step_s)
         if kind == MOTOR:
-            wanted = -command[rows.motor[r]]
+            wanted = -moving.command[rows.motor[r]]
             low, high = -step_s * most, step_s * most
         elif kind == FRICTION:
-            resting = abs(v[rows.speed[place]]) < STICTION_SPEED
+            resting = abs(moving.before[rows.speed[place]]) < STICTION_SPEED
             most = select(resting, most, rows.sliding[r])
             low, high = -step_s * most, step_s * most
         elif kind == COUPLING:
@@ -269,9 +281,10 @@ def _prepare_contacts(
             free = gap > 0.0
             share, give = soft_row(rows.spring[pair], step_s)
             soft = select(free, 0.0, give)
-            work.size[slot, 0] = lengths[0] + soft
+            least = like(gap, IMMOVABLE)
+            work.size[slot, 0] = larger(lengths[0] + soft, least)
             mean = 0.5 * (lengths[1] + lengths[2])
-            work.size[slot, 1] = mean + sqrt(half * half + both * both)
+            work.size[slot, 1] = larger(mean + sqrt(half * half + both * both), least)
             work.aim[slot, 0] = select(free, gap, gap * share) / step_s
             work.aim[slot, 1] = soft
     return count
@@ -362,22 +375,20 @@ def _begin(count: int, v: Array, constraints: Constraints, frames: Frames, work:
 def apply_impulses(
     timing: Timing,
     constraints: Constraints,
-    q: Array,
-    v: Array,
-    command: Array,
+    moving: Moving,
     frames: Frames,
     touches: Touches,
     work: Solving,
 ) -> None:
-    """Change the speeds v (n,) of the end of a step by all impulses.
+    """Change the speeds of the end of a step by all impulses.
 
-    `frames` hold the factors of the mass matrix, `touches` the contacts of the step's beginning;
-    `command` are the motors' speeds.
+    `frames` hold the factors of the mass matrix, `touches` the contacts of the step's beginning.
     """
     structure, rows, impulses = constraints.structure, constraints.rows, constraints.impulses
     _prepare_places(structure, rows, frames, work)
-    _prepare_joints(rows, (q, v, command), timing.step_s, impulses, work)
+    _prepare_joints(rows, moving, timing.step_s, impulses, work)
     count = _prepare_contacts(constraints, timing.step_s, frames, touches, work)
+    v = moving.v
     _begin(count, v, constraints, frames, work)
     for _ in range(timing.iterations):
         _solve_joints(rows, impulses, work)

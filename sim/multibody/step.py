@@ -8,6 +8,7 @@ from seamark.sim.multibody.contacts import Shapes, Touches, find_touches, place_
 from seamark.sim.multibody.solver import (
     Constraints,
     Impulses,
+    Moving,
     Rows,
     Solving,
     Timing,
@@ -74,6 +75,7 @@ class Work(NamedTuple):
     solving: Solving
     wrench: Array  # (6,)
     x: Array  # (n,)
+    before: Array  # (n,) speeds at the beginning of the step
     acceleration: Array  # (n,) of the last step relative to the water [m/s², rad/s²]
 
 
@@ -119,16 +121,17 @@ def take_step(
     write_bias(structure, model.links, state.v, work.wrench, frames)
     write_mass(structure, model.links, frames)
     factorise(structure, frames)
+    free, before = work.x, work.before
+    for j in range(before.size):
+        before[j] = state.v[j]
     move_freely(step_s, structure, state.v, frames, work)
-    free = work.x
     for j in range(free.size):
         free[j] = state.v[j]
     place_shapes(model.shapes, frames, work.touches)
     find_touches(model.shapes, ground, work.touches)
     constraints = Constraints(structure, model.shapes, model.rows, state.impulses)
-    apply_impulses(
-        timing, constraints, state.q, state.v, command.speed, frames, work.touches, work.solving
-    )
+    moving = Moving(state.q, state.v, before, command.speed)
+    apply_impulses(timing, constraints, moving, frames, work.touches, work.solving)
     for j in range(free.size):
         work.acceleration[j] += (state.v[j] - free[j]) / step_s
     move_coordinates(step_s, structure, state, frames)

@@ -314,6 +314,61 @@ def test_coupled_joints_move_together() -> None:
     assert scene.state.q[1] == pytest.approx(-scene.state.q[0], abs=1e-4)
 
 
+def test_a_joint_at_rest_holds_more_than_its_friction_in_motion() -> None:
+    holds = pendulum(frictions=[Friction(link="rod", resting=5.0, sliding=4.0)])
+    slides = pendulum(frictions=[Friction(link="rod", resting=4.8, sliding=4.0)])
+
+    holds.run(5000)
+    slides.run(500)
+
+    assert abs(holds.state.q[0]) < 1e-9
+    assert slides.state.q[0] > 0.3
+
+
+def test_a_piston_rests_on_the_bottom_though_friction_cannot_move_it() -> None:
+    piston = Link(
+        name="piston",
+        joint="prismatic",
+        offset=(0.0, 0.0, GROUND.depth - 0.2),
+        rigid=solid(1.0, (0.1, 0.1, 0.1)),
+        net_weight=5.0,
+    )
+    tip = Shape(name="tip", kind="capsule", link="piston", size=(0.05, 0.0, 0.0), friction=FRICTION)
+    scene = Scene(Mechanism(links=[piston], shapes=[ground(), tip], pairs=[("tip", "ground")]))
+
+    scene.run(1000)
+
+    assert scene.state.q[0] == pytest.approx(0.15, abs=1e-5)
+    assert scene.state.impulses.contact[0] / STEP_S == pytest.approx([5.0, 0.0, 0.0], abs=1e-6)
+
+
+def test_shapes_that_cannot_approach_each_other_are_no_pair() -> None:
+    link, shape = box("box", 1.0, 0.0)
+    shapes = [ground(), Shape(name="wall", kind="box", size=(1.0, 1.0, 1.0)), shape]
+    lid = Shape(name="lid", kind="capsule", link="box", size=(0.1, 0.0, 0.0))
+    for pair in (("wall", "ground"), ("lid", "box")):
+        mechanism = Mechanism(links=[link], shapes=[*shapes, lid], pairs=[pair])
+
+        with pytest.raises(ValueError, match="do not move against each other"):
+            mechanism.model(STEP_S)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.001, 0.02, 0.07, 0.2, 1.5])
+def test_crossed_rods_do_not_sink_into_each_other(angle: float) -> None:
+    size, radius = (0.02, 0.15, 0.0), 0.02
+    below = Shape(name="below", kind="capsule", place=(0.0, 0.0, 5.0), size=size, friction=FRICTION)
+    rod = Shape(name="rod", kind="capsule", link="rod", size=size, friction=FRICTION)
+    link = Link(name="rod", rigid=solid(1.0, (0.3, 0.04, 0.04)), net_weight=5.0)
+    scene = Scene(Mechanism(links=[link], shapes=[below, rod], pairs=[("rod", "below")]))
+    scene.state.q[2] = 5.0 - 2.0 * radius - 0.001
+    scene.state.q[3:7] = np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)
+
+    scene.run(250)
+
+    assert scene.state.q[2] == pytest.approx(5.0 - 2.0 * radius, abs=1e-5)
+    assert scene.pair_forces()[0] == pytest.approx(5.0, rel=1e-3)
+
+
 def peg(offset: float, *, chamfer: float) -> float:
     """How deep [m] a peg of 10 mm radius gets into a hole of 11 mm, beside its axis, in 4 s.
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.sim.multibody.distances import (
+    common_stretch,
     middle_of_passage,
     nearest_on_segment,
     point_box,
@@ -80,27 +81,46 @@ def test_a_passage_has_its_middle_in_the_box_and_its_ends_outside(
 def test_two_segments_are_nowhere_nearer_than_where_they_are_said_to_be(
     a: Point, along_a: Point, b: Point, along_b: Point
 ) -> None:
-    s, t, s_last, t_last, parallel = segments(a, along_a, b, along_b)
+    s, t = segments(a, along_a, b, along_b)
 
-    def between(first: float, second: float) -> float:
-        one = np.array(a) + first * np.array(along_a)
-        return float(np.linalg.norm(one - np.array(b) - second * np.array(along_b)))
+    assert max(abs(s), abs(t)) <= 1.0
+    assert apart(a, along_a, b, along_b, (s, t)) <= least(a, along_a, b, along_b) + 1e-6
 
+
+@given(a=POINTS, along=POINTS, b=POINTS, tilt=POINTS, angle=st.floats(0.0, 0.2))
+def test_two_segments_at_a_small_angle_are_nowhere_nearer_either(
+    a: Point, along: Point, b: Point, tilt: Point, angle: float
+) -> None:
+    x, y, z = np.array(along) + angle * np.array(tilt)
+    s, t = segments(a, along, b, (x, y, z))
+
+    assert apart(a, along, b, (x, y, z), (s, t)) <= least(a, along, b, (x, y, z)) + 2e-4
+
+
+def apart(a: Point, along_a: Point, b: Point, along_b: Point, shares: tuple[float, float]) -> float:
+    one, two = (
+        np.array(p) + k * np.array(u)
+        for p, u, k in zip((a, b), (along_a, along_b), shares, strict=True)
+    )
+    return float(np.linalg.norm(one - two))
+
+
+def least(a: Point, along_a: Point, b: Point, along_b: Point) -> float:
+    """The distance of the nearest of many points of two segments."""
     shares = np.linspace(-1.0, 1.0, 61)
     ones = np.array(a) + shares[:, None] * np.array(along_a)
     twos = np.array(b) + shares[:, None] * np.array(along_b)
-    least = np.linalg.norm(ones[:, None] - twos[None], axis=2).min()
-    if not parallel:
-        assert between(s, t) <= least + 1e-6
-    else:  # both ends of the common stretch; the angle is below six degrees
-        reach = 0.11 * float(np.linalg.norm(along_a) + np.linalg.norm(along_b))
-        assert min(between(s, t), between(s_last, t_last)) <= least + reach
+    return float(np.linalg.norm(ones[:, None] - twos[None], axis=2).min())
 
 
-def test_parallel_segments_touch_at_both_ends_of_their_common_stretch() -> None:
-    ends = segments((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.1, 0.0), (2.0, 0.0, 0.0))
+def test_parallel_segments_touch_at_both_ends_and_in_the_middle_of_their_common_stretch() -> None:
+    two = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.1, 0.0), (2.0, 0.0, 0.0)
+
+    ends, middle = common_stretch(*two), segments(*two)
 
     assert ends == (pytest.approx(-1.0), pytest.approx(-0.75), 1.0, pytest.approx(0.25), True)
+    assert middle == (pytest.approx(0.0), pytest.approx(-0.25))
+    assert not common_stretch(*two[:3], (0.0, 2.0, 0.0))[4]
 
 
 def test_concentric_spheres_and_points_on_an_axis_get_a_fixed_direction() -> None:
