@@ -43,7 +43,7 @@ SLOTS = {
     (BOX, GROUND): 8,
     (CYLINDER, GROUND): 6,
     (CAPSULE, CAPSULE): 3,
-    (CAPSULE, BOX): 3,
+    (CAPSULE, BOX): 4,
     (BOX, BOX): 40,
     (CYLINDER, SOCKET): 6,
 }
@@ -231,22 +231,26 @@ def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> N
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_capsule_box(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
-    """Write the touches of a capsule with a box: at both ends, and where it is nearest between."""
+    """Write the touches of a capsule with a box: at both ends, and where it is nearest between.
+
+    Along a face that is a stretch, so it has two ends.
+    """
     half, radius = three(shapes.size, b, 0), shapes.size[a, 0]
     away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
     middle = rotate_back(to.turned, b, away)
     along = rotate_back(to.turned, b, times(column(to.turned, a, 0), shapes.size[a, 1]))
-    t = nearest_on_segment(middle, along, half)
-    between = (abs(t) < 1.0 - _SAME_POINT) & (shapes.size[a, 1] > 0.0)
-    one = like(t, 1.0)
-    for k in range(3):
-        share = (-one if k == 0 else one) if k < 2 else t
+    one, long = like(radius, 1.0), shapes.size[a, 1] > 0.0
+    for k in range(4):
+        share = -one if k == 0 else one
+        if k >= 2:
+            share = nearest_on_segment(middle, along, half, -1.0 if k == 2 else 1.0)
         p = plus(middle, times(along, share))
         point, normal, gap = _sphere_box(p, radius, b, half, to)
         if k == 1:
-            gap = select(shapes.size[a, 1] > 0.0, gap, 2.0 * MARGIN_M)
-        elif k == 2:
-            gap = select(between, gap, 2.0 * MARGIN_M)
+            gap = select(long, gap, 2.0 * MARGIN_M)
+        elif k >= 2:
+            between = abs(share) < 1.0 - _SAME_POINT
+            gap = select(between & long, gap, 2.0 * MARGIN_M)
         _put_touch(slot + k, (point, normal, gap), to)
 
 

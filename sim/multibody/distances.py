@@ -26,6 +26,7 @@ Touch = tuple[Vector, Vector, float]
 _TINY = 1e-12  # [m] lengths below it have no direction
 _SHORT = 1e-3  # share of a segment: a common stretch below it is a point
 _BISECTIONS = 20  # of a segment of 1 m: within 1 um
+_FLAT = 0.001  # sine of the angle to a face below which a segment is along it
 _NO_DIRECTION = 1e-6
 _SQRT_HALF = 0.7071067811865476
 _PARALLEL = 1e-8  # squared sine of the angle below which segments have no nearest points
@@ -58,13 +59,15 @@ def point_box(p: Vector, half: Vector) -> tuple[Vector, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def nearest_on_segment(middle: Vector, along: Vector, half: Vector) -> float:
+def nearest_on_segment(middle: Vector, along: Vector, half: Vector, side: float) -> float:
     """Return where the segment middle ± along is nearest to a box around the origin: -1 to 1.
 
-    The slope of the squared distance grows along the segment, so its sign is bisected.
+    If it is along a face, that is a stretch; `side` is -1 for its first end and 1 for its last. The
+    slope of the distance grows along the segment, so its sign is bisected.
     """
     low = like(middle[0], -1.0)
     high = like(middle[0], 1.0)
+    flat = side * _FLAT * sqrt(dot(along, along))
     for _ in range(_BISECTIONS):
         t = 0.5 * (low + high)
         p = plus(middle, times(along, t))
@@ -74,7 +77,7 @@ def nearest_on_segment(middle: Vector, along: Vector, half: Vector) -> float:
             p[2] - clamped(p[2], -half[2], half[2]),
         )
         slope = dot(beyond, along)
-        falls = slope < 0.0
+        falls = slope < flat * sqrt(dot(beyond, beyond))
         low, high = select(falls, t, low), select(falls, high, t)
     return 0.5 * (low + high)
 

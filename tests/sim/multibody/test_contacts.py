@@ -144,6 +144,25 @@ def test_a_long_bar_rests_across_a_box_though_no_corner_is_inside_the_other() ->
     assert scene.pair_forces()[0] == pytest.approx(20.0, rel=1e-4)
 
 
+@pytest.mark.parametrize(("offset", "yaw"), [(0.0, 0.0), (0.02, 0.0), (0.0, 0.4)])
+def test_a_rod_lies_still_across_a_block(offset: float, yaw: float) -> None:
+    block = Shape(name="block", kind="box", place=(0.0, 0.0, 5.0), size=(0.05, 0.3, 0.05))
+    rod = Shape(name="rod", kind="capsule", link="rod", size=(0.02, 0.5, 0.0))
+    link = Link(name="rod", rigid=solid(2.0, (1.0, 0.04, 0.04)), net_weight=20.0)
+    scene = Scene(Mechanism(links=[link], shapes=[block, rod], pairs=[("rod", "block")]))
+    scene.state.q[0], scene.state.q[2] = offset, 5.0 - 0.05 - 0.02
+    scene.state.q[3:7] = np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)
+    scene.run(500)
+    fastest = 0.0
+
+    for _ in range(500):
+        scene.run(1)
+        fastest = max(fastest, np.abs(np.delete(scene.state.v, 3)).max())  # it may roll
+
+    assert fastest < 1e-5
+    assert scene.pair_forces()[0] == pytest.approx(20.0, rel=1e-5)
+
+
 def gripper(*, effort: float, bar_weight: float) -> Scene:
     """Two jaws that slide towards each other along y, with a bar between them."""
     bar, bar_shape = box("bar", 2.0, bar_weight, (0.2, 0.04, 0.04))
