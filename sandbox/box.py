@@ -8,6 +8,7 @@ when the fork has ended, which reaps or kills what is left.
 import json
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import PurePosixPath
 from types import TracebackType
 from typing import Any, NamedTuple, Self, TypeVar, cast
@@ -70,6 +71,7 @@ class Box:
         self._ready = self._closed = False
         self._step_limit = limits.step_limit
         self._float_count = 0
+        self._command: Callable[[memoryview], Command] = answers.command
         self._values: object = None  # the buffer that the last observation came in
         self._body = memoryview(b"")  # its bytes
 
@@ -124,7 +126,9 @@ class Box:
             has the same name in all boxes.
         layout
             `role` is one of the language's roles, a controller if it is missing. The layout of a
-            controller has the `observation` that `step` is given; the other roles get images.
+            controller has the `observation` that `step` is given; the other roles get images. A
+            vehicle with an arm has more than four names in `command`, and the fastest speed of
+            each joint in `joint_limits`.
         """
         self.wait_ready()
         shown = "".join(c for c in PurePosixPath(filename).name if c.isprintable())
@@ -137,6 +141,7 @@ class Box:
         if refusal := role_refusal(self._language.name, str(layout.get("role", CONTROLLER))):
             self._session.end(Failure(Verdict.COMPILE_ERROR, refusal))
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
+        self._command = partial(answers.command, limits=wire.command_limits(dict(layout)))
         self._float_count = sum(count or 1 for _, count in fields)
         header = json.dumps(self._header(config, layout)).encode()
         self._session.ask(messages.BEGIN, wire.SIZES.pack(len(header), len(source)))
@@ -174,13 +179,13 @@ class Box:
 
         Returns
         -------
-        tuple of 4 [m/s, m/s, m/s, rad/s]
-            Finite, with a magnitude of at most 1e6.
+        tuple of 4 or more [m/s, m/s, m/s, rad/s, and rad/s or m/s of each joint of an arm]
+            Finite, with a magnitude of at most 1e6, or the joint's limit.
         """
         if values is not self._values:
             self._set_buffer(values)
         self._session.ask(messages.OBSERVE, self._body)
-        return self._checked(messages.COMMAND, answers.command, self._language.calls.step)
+        return self._checked(messages.COMMAND, self._command, self._language.calls.step)
 
     def _set_buffer(self, values: Sequence[float]) -> None:
         """Check what observations come in; the bytes of a buffer follow its current values."""

@@ -12,7 +12,6 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from seamark.sandbox.languages.inside.wire import (
-    COMMAND,
     CORNERS,
     COUNT,
     DETECTION,
@@ -20,10 +19,12 @@ from seamark.sandbox.languages.inside.wire import (
     MAX_DETECTIONS,
     MAX_LABEL_BYTES,
     MAX_VALUE,
+    command_limits,
 )
 from seamark.sandbox.protocol.messages import MessageInvalid
 
-Command = tuple[float, float, float, float]
+Command = tuple[float, ...]
+FOUR = command_limits({})
 Point = tuple[float, float]
 Corners = tuple[Point, Point, Point, Point]
 
@@ -43,20 +44,23 @@ class Detection(NamedTuple):
     confidence: float  # 0 to 1
 
 
-def command(data: bytes | memoryview) -> Command:
-    """Return surge, sway, heave [m/s] and yaw rate [rad/s]; MessageInvalid if they are none."""
-    if len(data) != HEADER.size + COMMAND.size:
+def command(data: bytes | memoryview, limits: Sequence[float] = FOUR) -> Command:
+    """Return surge, sway, heave [m/s], yaw rate [rad/s] and the speeds of the arm's joints.
+
+    Raises
+    ------
+    MessageInvalid
+        They are none, or beyond their limits.
+    """
+    if len(data) != HEADER.size + 8 * len(limits):
         raise MessageInvalid(f"The program answered with {len(data)} bytes.")
-    surge, sway, heave, yaw_rate = COMMAND.unpack_from(data, HEADER.size)
-    most = MAX_VALUE  # NaN compares false, so that it does not get through either
-    if not (
-        -most <= surge <= most
-        and -most <= sway <= most
-        and -most <= heave <= most
-        and -most <= yaw_rate <= most
-    ):
-        raise MessageInvalid("The program answered with a number that is out of range.")
-    return surge, sway, heave, yaw_rate
+    numbers: Command = struct.unpack_from(f"<{len(limits)}d", data, HEADER.size)
+    for number, most in zip(numbers, limits, strict=True):
+        if (
+            not -most <= number <= most
+        ):  # NaN compares false, so that it does not get through either
+            raise MessageInvalid("The program answered with a number that is out of range.")
+    return numbers
 
 
 def track(data: bytes | memoryview) -> Corners | Loss:

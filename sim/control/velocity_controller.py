@@ -12,6 +12,7 @@ the DVL cost no phase; the prediction error is due to the disturbance (the curre
 integral without windup, since it knows the saturated thrust. The arithmetic is in velocity_law.py.
 """
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -75,7 +76,7 @@ class VelocityController:
         self._holds["target"] = (measured["depth"], measured["yaw"], 0.0, 0.0)
         self._holds["force"] = 0.0
 
-    def step(self, reference: tuple[float, float, float, float], dt: float) -> Array:
+    def step(self, reference: Sequence[float], dt: float) -> Array:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
         surge, sway, heave, yaw_rate = reference
         self._law.call(

@@ -13,7 +13,7 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.plant import Plant
 from seamark.sim.settings.configuration import Configuration
 
-Command = tuple[float, float, float, float]
+Command = tuple[float, ...]  # the vehicle's four, then the speeds of an arm's joints
 
 
 class Program(Protocol):
@@ -23,7 +23,7 @@ class Program(Protocol):
         """Start a level: index, count, duration_s, dt, t; never the true current."""
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        """Return surge, sway, heave [m/s] and yaw rate [rad/s] for a packed observation.
+        """Return surge, sway, heave [m/s], yaw rate [rad/s], and the speeds of an arm's joints.
 
         The array is reused at every step: copy what must be kept.
         """

@@ -71,6 +71,8 @@ static unsigned char incoming[MAX_BYTES];
 static char role = 'c'; /* controller, tracker or detector: its first letter */
 static const unsigned char *images;
 static double target[8]; /* its last known corners */
+static int joints;       /* of the vehicle's arm */
+static double joint_limits[SEAMARK_MOST_JOINTS];
 
 static void send_message(char type, const void *body, size_t size) {
     unsigned char message[HEADER_BYTES + MAX_ANSWER_BYTES] = {(unsigned char)type};
@@ -169,6 +171,11 @@ static void begin(const char *path) {
     while (getline(&line, &room, file) > 0 && line[0] != '{') {
         char name[64];
         int count;
+        double limit;
+        if (sscanf(line, "joint_limit %lf", &limit) == 1 && joints < SEAMARK_MOST_JOINTS) {
+            joint_limits[joints++] = limit;
+            continue;
+        }
         if (sscanf(line, "%63s %d", name, &count) != 2 || copies_count == MAX_FIELDS) continue;
         if (!strcmp(name, "tracker") || !strcmp(name, "detector")) role = name[0];
         if (!strcmp(name, "images_descriptor")) descriptor = count;
@@ -202,10 +209,11 @@ static void observe(const unsigned char *from, size_t size) {
 }
 
 static void step(size_t size) {
-    seamark_command command = {0.0, 0.0, 0.0, 0.0};
-    double answer[4];
+    seamark_command command;
+    double answer[4 + SEAMARK_MOST_JOINTS];
     char sentence[MAX_SENTENCE];
     observe(incoming + HEADER_BYTES, size - HEADER_BYTES);
+    memset(&command, 0, sizeof command);
     int code = seamark_step(&observation, &command);
     if (code) {
         snprintf(sentence, sizeof sentence, "seamark_step returned %d at t = %g s.", code,
@@ -222,7 +230,15 @@ static void step(size_t size) {
                  observation.t, answer[0], answer[1], answer[2], answer[3]);
         give_up('p', sentence);
     }
-    send_message('c', answer, sizeof answer);
+    memcpy(answer + 4, command.arm, sizeof command.arm);
+    for (int i = 0; i < joints; i++) {
+        if (fabs(command.arm[i]) <= joint_limits[i]) continue;
+        snprintf(sentence, sizeof sentence,
+                 "The command of seamark_step at t = %g s has %g for arm[%d]; it must be a finite "
+                 "number within +-%g.", observation.t, command.arm[i], i, joint_limits[i]);
+        give_up('p', sentence);
+    }
+    send_message('c', answer, (size_t)(4 + joints) * sizeof(double));
 }
 
 static seamark_image image_of(const unsigned char *body) {

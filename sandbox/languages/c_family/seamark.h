@@ -33,12 +33,15 @@ typedef struct seamark_observation {
     int thrusters;       /* number of thrusters */
 } seamark_observation;
 
+enum { SEAMARK_MOST_JOINTS = 16 };
+
 /* The command: finite numbers of magnitude 1e6 at most. All are 0 before each step. */
 typedef struct seamark_command {
     double surge;    /* [m/s] */
     double sway;     /* [m/s] */
     double heave;    /* [m/s] */
     double yaw_rate; /* [rad/s] */
+    double arm[SEAMARK_MOST_JOINTS]; /* [rad/s or m/s] of each joint, if the vehicle has an arm */
 } seamark_command;
 
 /* The level that begins: the vehicle is moved back and the current changes. */

@@ -14,8 +14,7 @@ AXES: dict[str, Sequence[str]] = {
     "attitude": ("roll", "pitch", "yaw"),
     "rates": ("p", "q", "r"),
 }
-COMMAND = ("surge", "sway", "heave", "yaw_rate")
-WHOLE_COMMAND = "command"  # all four in one vector
+WHOLE_COMMAND = "command"  # all in one vector
 
 
 class Span(NamedTuple):
@@ -35,9 +34,9 @@ def observation_spans(layout: dict[str, Any]) -> dict[str, Span]:
     return spans
 
 
-def command_spans() -> dict[str, Span]:
-    """Return the numbers of each name in a command."""
-    return _named(WHOLE_COMMAND, 0, len(COMMAND), COMMAND)
+def command_spans(names: Sequence[str]) -> dict[str, Span]:
+    """Return the numbers of each name in a command with these names."""
+    return _named(WHOLE_COMMAND, 0, len(names), names)
 
 
 def observation_names(layout: dict[str, Any]) -> str:

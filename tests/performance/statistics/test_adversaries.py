@@ -10,7 +10,7 @@ from seamark.sim.registry import benchmark
 NOWHERE = np.zeros(0)
 
 
-def commands_of(name: str, seconds: float) -> list[tuple[float, float, float, float]]:
+def commands_of(name: str, seconds: float) -> list[tuple[float, ...]]:
     program = adversaries.Timed(adversaries.CONTROLLERS[name])
     program.reset({"dt": 0.05})
     return [program.step(NOWHERE) for _ in range(round(seconds / 0.05))]

@@ -9,18 +9,19 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from ...inside.port_names import (
-    COMMAND,
     WHOLE_COMMAND,
     command_spans,
     observation_names,
     observation_spans,
 )
+from ...inside.wire import COMMAND, MAX_JOINTS
 
 OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"t": 0, "dt": 0, "error": 3, "error_px": 2, "target_visible": 0, "target_age": 0},
     **{"velocity": 3, "velocity_valid": 0, "depth": 0, "altitude": 0, "attitude": 3, "rates": 3},
     "thrust": 8,
 }
+ARM = "arm"  # an output with the speeds of an arm's joints
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 FUNCTION = r"\bvoid\s+{name}\s*\(\s*void\s*\)"
 STEP = re.compile(FUNCTION.format(name=r"(\w+)_step"))
@@ -150,9 +151,11 @@ def _parameters(ports: list[Port]) -> Iterator[str]:
 
 
 def _outputs(ports: list[Port]) -> Iterator[str]:
-    spans = command_spans()
+    spans = command_spans(COMMAND)
     given: set[int] = set()
     for port in ports:
+        if port.name == ARM:
+            yield from _arm(port)
         if port.name not in spans:
             continue
         at, size = spans[port.name]
@@ -168,6 +171,15 @@ def _outputs(ports: list[Port]) -> Iterator[str]:
             f"The model needs outputs surge and sway; it has: {has}. Wanted are "
             f"{', '.join(COMMAND)}, or {WHOLE_COMMAND} with all four."
         )
+
+
+def _arm(port: Port) -> Iterator[str]:
+    """Yield how the speeds of an arm's joints are taken from one vector."""
+    if port.size > MAX_JOINTS:
+        raise Unfit(f"The output {ARM} has {port.size} numbers, more than {MAX_JOINTS}.")
+    for index in range(port.size or 1):
+        element = f"[{index}]" if port.size else ""
+        yield f"command->arm[{index}] = {port.access}{element};"
 
 
 def _function(head: str, lines: Iterable[str]) -> list[str]:

@@ -24,6 +24,7 @@ def start(connection: Connection) -> "NoReturn":
     images = header.get("images")  # of a tracker or detector
     connection.close_others(*([images["descriptor"]] if images else []))
     lines = [f"{name} {count}" for name, count in layout_of(header)]
+    lines += [f"joint_limit {limit!r}" for limit in header["layout"].get("joint_limits", ())]
     write(START_FILE, "\n".join([*lines, json.dumps(header["config"])]).encode("ascii"), 0o600)
     write(PROGRAM, program, 0o700)
     arguments = [str(connection.descriptor), str(connection.sequence), START_FILE]

@@ -10,8 +10,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ...inside.connection import Connection, connected
-from ...inside.port_names import COMMAND as COMMAND_NAMES
-from ...inside.wire import COMMAND, MAX_VALUE
 from .description import Description, Unusable, checked, read
 from .library import LIBRARIES, Group, Library
 from .wiring import Wiring, wired
@@ -25,6 +23,7 @@ class Model:
 
     def __init__(self, description: Description, header: dict[str, Any]) -> None:
         self._wiring: Wiring = wired(description, header["layout"], header["config"])
+        self.command, self.limits = self._wiring.command, self._wiring.limits
         unpack(description)
         library_class = LIBRARIES[description.version]
         self._library: Library = library_class(
@@ -68,7 +67,7 @@ class Model:
             group.transfer()
         self._library.step(self._t, self._dt)
         self._t += self._dt
-        command = [self._wiring.fixed.get(index, 0.0) for index in range(len(COMMAND_NAMES))]
+        command = [self._wiring.fixed.get(index, 0.0) for index in range(len(self.command))]
         for group, ends in self._outputs:
             group.transfer()
             at = 0
@@ -114,11 +113,16 @@ def answer(connection: Connection, model: Model) -> NoReturn:
         message_type, body = connection.receive()
         if message_type == b"O":
             command = model.step(struct.unpack(f"<{len(body) // 8}d", body))
-            if not all(abs(value) <= MAX_VALUE for value in command):  # also catches NaN
-                named = zip(COMMAND_NAMES, command, strict=True)
+            limited = zip(command, model.limits, strict=True)
+            if not all(abs(value) <= most for value, most in limited):  # also catches NaN
+                named = zip(model.command, command, strict=True)
                 words = ", ".join(f"{name} = {v:g}" for name, v in named)
-                raise Unusable(f"The outputs of the FMU are {words}; they must be finite.")
-            connection.send(b"c", COMMAND.pack(*command))
+                within = "".join(
+                    f", {name} within +-{most:g}"
+                    for name, most in zip(model.command[4:], model.limits[4:], strict=True)
+                )
+                raise Unusable(f"The outputs of the FMU are {words}; they must be finite{within}.")
+            connection.send(b"c", struct.pack(f"<{len(command)}d", *command))
         elif message_type == b"R":
             model.reset(json.loads(body))
             connection.send(b"k")

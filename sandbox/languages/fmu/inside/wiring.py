@@ -1,15 +1,15 @@
 """Connects an FMU's variables to observation, command and configuration: by name or mapping."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ...inside.port_names import (
-    COMMAND,
     Span,
     command_spans,
     observation_names,
     observation_spans,
 )
+from ...inside.wire import command_limits, command_names
 from .description import Description, Unusable, Variable
 
 NUMBERS = ("Float64", "Float32", "Int32", "Boolean")  # types of variables that can be connected
@@ -43,6 +43,8 @@ class Wiring(NamedTuple):
     constants: list[Constant]
     outputs: list[Output]
     fixed: dict[int, float]  # constant numbers of the command
+    command: Sequence[str]  # the names of its numbers
+    limits: Sequence[float]  # the largest magnitude of each
 
 
 def wired(description: Description, layout: dict[str, Any], config: Mapping[str, object]) -> Wiring:
@@ -50,8 +52,9 @@ def wired(description: Description, layout: dict[str, Any], config: Mapping[str,
     mapping = description.mapping()
     inputs, constants = _inputs(description, mapping.get("inputs", {}), layout, config)
     constants += _parameters(description, mapping.get("parameters", {}), config)
-    outputs, fixed = _outputs(description, mapping.get("outputs", {}))
-    return Wiring(inputs, constants, outputs, fixed)
+    names = command_names(layout)
+    outputs, fixed = _outputs(description, mapping.get("outputs", {}), names)
+    return Wiring(inputs, constants, outputs, fixed, names, command_limits(layout))
 
 
 def _inputs(
@@ -101,18 +104,19 @@ def _parameters(
 
 
 def _outputs(
-    description: Description, mapping: dict[str, object]
+    description: Description, mapping: dict[str, object], wanted: Sequence[str]
 ) -> tuple[list[Output], dict[int, float]]:
-    spans = command_spans()
+    spans = command_spans(wanted)
     names = {variable.name: variable.name for variable in description.of("output")}
     fixed = {}
     for name, source in mapping.items():
         if name not in spans:
-            raise Unusable(f"The mapping has an output {name}; there are {', '.join(COMMAND)}.")
+            raise Unusable(f"The mapping has an output {name}; there are {', '.join(wanted)}.")
         if isinstance(source, (int, float)):
             fixed[spans[name].offset] = float(source)
         elif source not in description.variables:
-            raise Unusable(_missing(description, f"{source}, to which {name} is mapped"))
+            missing = f"{source}, to which {name} is mapped"
+            raise Unusable(_missing(description, missing, wanted))
         else:
             names[name] = str(source)
     outputs = [
@@ -121,16 +125,16 @@ def _outputs(
         if name in spans
     ]
     given = {span.offset + i for _, span in outputs for i in range(span.size)} | set(fixed)
-    lacking = [COMMAND[i] for i in (0, 1) if i not in given]  # heave and yaw rate may be 0
+    lacking = [wanted[i] for i in (0, 1) if i not in given]  # the others may be 0
     if lacking:
-        raise Unusable(_missing(description, " and ".join(lacking)))
+        raise Unusable(_missing(description, " and ".join(lacking), wanted))
     return outputs, fixed
 
 
-def _missing(description: Description, what: str) -> str:
+def _missing(description: Description, what: str, wanted: Sequence[str]) -> str:
     has = ", ".join(variable.name for variable in description.of("output")) or "none"
     return (
-        f"The FMU has no output {what}. Its outputs are: {has}; wanted are {', '.join(COMMAND)}, "
+        f"The FMU has no output {what}. Its outputs are: {has}; wanted are {', '.join(wanted)}, "
         "by these names or by a mapping."
     )
 

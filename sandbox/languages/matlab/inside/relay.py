@@ -8,8 +8,8 @@ of numbers): its size as one float64, then the text. Then, for each request, one
 message type and as many as an observation has. A level is the size of a text, then the text. A
 request with an image has height, width, channels and corners instead of an observation, then the
 image's bytes: Octave cannot map memory.
-Octave answers with five float64: a command; or an error with the sizes of its two texts; or the
-number of float64 that follow: corners or detections.
+Octave answers with five float64: a command, of which the speeds of an arm's joints follow; or an
+error with the sizes of its two texts; or the number of float64 that follow: corners or detections.
 """
 
 import io
@@ -23,7 +23,15 @@ import zipfile
 from typing import Any, NoReturn
 
 from ...inside.connection import Connection, connected
-from ...inside.wire import COMMAND, COUNT, DETECTION, IMAGE, MAX_DETECTIONS, MAX_LABEL_BYTES
+from ...inside.wire import (
+    COUNT,
+    DETECTION,
+    IMAGE,
+    MAX_DETECTIONS,
+    MAX_LABEL_BYTES,
+    command_limits,
+    command_names,
+)
 from .octave import FOLDER, PROGRAM_FILE
 
 ZIP_MAGIC, MAIN = b"PK\x03\x04", "controller.m"
@@ -45,7 +53,8 @@ def relay(connection: Connection) -> NoReturn:
     observation = header["layout"].get("observation", ())
     floats = sum(count or 1 for _, count in observation) if images is None else IMAGE_REQUEST_FLOATS
     _send_text(octave_setup(header, names, floats))
-    _relay_answer(connection)
+    joints = len(command_names(header["layout"])) - 4
+    _relay_answer(connection, joints)
     while True:
         message_type, body = connection.receive()
         if message_type == b"O":
@@ -60,7 +69,7 @@ def relay(connection: Connection) -> NoReturn:
             _write(NUMBER.pack(ord("Q")) + bytes(NUMBER.size * floats))
             _read(ANSWER.size)  # Octave has flushed its output
             connection.quit()
-        _relay_answer(connection)
+        _relay_answer(connection, joints)
 
 
 def _mapped(connection: Connection, header: dict[str, Any]) -> mmap.mmap | None:
@@ -116,6 +125,7 @@ def octave_setup(header: dict[str, Any], names: tuple[str, str], floats: int) ->
         f"main_file = {octave_value(names[1])};\n"
         f"role = {octave_value(layout.get('role', 'controller'))};\n"
         f"floats = {floats};\n"
+        f"limits = {octave_value(list(command_limits(layout)))};\n"
         f"config = {octave_value(header['config'])};\n"
         f"observe = @(v) struct({', '.join(fields)});\n"
     )
@@ -151,7 +161,7 @@ def _send_text(text: str) -> None:
     _write(NUMBER.pack(len(data)) + data)
 
 
-def _relay_answer(connection: Connection) -> None:
+def _relay_answer(connection: Connection, joints: int) -> None:
     """Relay one answer of Octave."""
     letter, *numbers = ANSWER.unpack(_read(ANSWER.size))
     if letter == READY:
@@ -166,7 +176,7 @@ def _relay_answer(connection: Connection) -> None:
         body = struct.pack(f"<{count}d", *more) if letter == TRACK else _packed_detections(more)
         connection.send(bytes([int(letter)]), body)
     else:
-        connection.send(b"c", COMMAND.pack(*numbers))
+        connection.send(b"c", struct.pack("<4d", *numbers) + _read(NUMBER.size * joints))
 
 
 def _packed_detections(numbers: tuple[float, ...]) -> bytes:

@@ -43,8 +43,8 @@ function seamark_serve(relay)
                 else
                     command = controller_step(state, observe(data(2:end)));
                 end
-                if ! (isnumeric(command) && isreal(command) && numel(command) == 4 && all(abs(command(:)) <= 1e6))
-                    seamark_refuse(to, command, data(2));
+                if ! (isnumeric(command) && isreal(command) && numel(command) == numel(limits) && all(abs(command(:)') <= limits))
+                    seamark_refuse(to, command, data(2), limits);
                 end
                 fwrite(to, [99; double(full(command(:)))], "double");
             elseif data(1) == 85  % U
@@ -185,17 +185,21 @@ function seamark_fail(to, letter, sentence, text)
 end
 
 % Report what was returned instead of a command.
-function seamark_refuse(to, command, t)
-    if isnumeric(command) && numel(command) == 4
+function seamark_refuse(to, command, t, limits)
+    if isnumeric(command) && numel(command) == numel(limits)
         returned_text = ["[", strtrim(sprintf("%g ", command)), "]"];
         if ! isreal(command)
-            returned_text = "four complex numbers";
+            returned_text = "complex numbers";
         end
     else
         returned_text = sprintf("a value of class %s and size %s", class(command), mat2str(size(command)));
     end
-    sentence = sprintf(["controller_step returned %s at t = %g s; it must return four finite real ", ...
-                        "numbers: surge, sway, heave in m/s and yaw rate in rad/s."], returned_text, t);
+    wanted = "four finite real numbers: surge, sway, heave in m/s and yaw rate in rad/s";
+    if numel(limits) > 4
+        wanted = sprintf(["%d finite real numbers: surge, sway, heave in m/s, yaw rate in rad/s, and the ", ...
+                          "speeds of the arm's joints, within%s"], numel(limits), sprintf(" %g", limits(5:end)));
+    end
+    sentence = sprintf("controller_step returned %s at t = %g s; it must return %s.", returned_text, t, wanted);
     seamark_fail(to, "p", sentence, "");
 end
 

@@ -14,17 +14,23 @@ import struct
 import sys
 import traceback
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, NoReturn
 
 from ...inside.connection import Connection, connected
-from ...inside.wire import COMMAND, HEADER, MAX_MESSAGE_BYTES, VERSION
+from ...inside.wire import HEADER, MAX_MESSAGE_BYTES, VERSION, command_names
 from . import quiet_import
 from .files import ArchiveUnusable, Files
 from .images import Images, as_detections, as_track, start_corners
-from .values import AnswerInvalid, Configuration, Observation, as_command, set_layout
+from .values import (
+    VEHICLE,
+    AnswerInvalid,
+    Configuration,
+    Observation,
+    as_command,
+    set_layout,
+)
 
-WHOLE_COMMAND = struct.Struct(HEADER.format + COMMAND.format[1:])  # packed in one call
 MAX_FRAMES = 30  # of a traceback
 PACKAGES = "/box/packages"
 
@@ -62,6 +68,15 @@ ROLES = {
 }
 
 
+def answer_with_arm(names: Sequence[str]) -> str:
+    """Return what a controller of a vehicle with an arm has to return."""
+    joints = ", ".join(names[VEHICLE:])
+    return (
+        f"step must return {len(names)} finite numbers: surge, sway, heave in m/s, yaw rate "
+        f"in rad/s, and the speeds of the joints {joints}"
+    )
+
+
 class Runner:
     """Answers the simulator until it asks the program to quit."""
 
@@ -69,6 +84,7 @@ class Runner:
         self.connection = connection
         self.files: Any = None  # of the program, as soon as they have arrived
         self.role = ROLES["controller"]
+        self.command = command_names({})
         self.program: Any = None  # an object of the user's class
         self.images: Any = None
         self.doing = "the program"
@@ -107,6 +123,9 @@ class Runner:
         layout = header["layout"]
         self.role = ROLES[layout.get("role", "controller")]
         set_layout(layout)
+        self.command = names = command_names(layout)
+        if len(names) > VEHICLE:
+            self.role = self.role._replace(answer=answer_with_arm(names))
         if "images" in header:
             self.images = Images(header["images"])
         self.connection.close_others()
@@ -147,7 +166,8 @@ class Runner:
     def control(self) -> None:
         """Answer as a controller: many short requests, without calls that can be saved."""
         step: Callable[[Observation], object] = self.program.step
-        read, write, unpack, pack = os.read, os.write, HEADER.unpack_from, WHOLE_COMMAND.pack
+        read, write, unpack = os.read, os.write, HEADER.unpack_from
+        pack = struct.Struct(f"{HEADER.format}{len(self.command)}d").pack  # in one call
         connection, descriptor = self.connection, self.connection.descriptor
         while True:
             data = read(descriptor, MAX_MESSAGE_BYTES)

@@ -9,12 +9,19 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ...inside.wire import HEADER, MAX_VALUE
+from ...inside.wire import HEADER, MAX_VALUE, command_limits, command_names
 
 NUMBER = struct.Struct("<d")
 FLOAT64 = np.float64
 FLOATS = (float, FLOAT64)
-COMMAND_NAMES = ("the surge", "the sway", "the heave", "the yaw rate")
+VEHICLE = 4  # numbers of a command that are the vehicle's; the speeds of an arm's joints follow
+COMMAND_NAMES = [
+    "the surge",
+    "the sway",
+    "the heave",
+    "the yaw rate",
+]  # and joints, by `set_layout`
+LIMITS = [MAX_VALUE] * VEHICLE  # of the magnitude of each
 
 
 class AnswerInvalid(Exception):
@@ -104,7 +111,7 @@ set_cache = Observation._cache.__set__  # type: ignore[attr-defined]
 
 
 def set_layout(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
-    """Set where each field of an observation is in its message."""
+    """Set where each field of an observation is in its message, and what a command has."""
     offset = HEADER.size
     booleans = set(layout.get("booleans", ()))
     for name, count in layout.get("observation", ()):
@@ -112,6 +119,8 @@ def set_layout(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
         Observation._fields[name] = read
         setattr(Observation, name, property(read))
         offset += 8 * (count or 1)
+    COMMAND_NAMES[VEHICLE:] = [f"the joint {name}" for name in command_names(layout)[VEHICLE:]]
+    LIMITS[VEHICLE:] = command_limits(layout)[VEHICLE:]
 
 
 def _vector(name: str, offset: int, count: int) -> Callable[[Observation], object]:
@@ -133,23 +142,26 @@ def _number(offset: int, boolean: bool) -> Callable[[Observation], object]:
 
 
 def as_command(answer: Any) -> Sequence[float]:
-    """Return four floats; AnswerInvalid says what was returned instead."""
+    """Return the floats of a command; AnswerInvalid says what was returned instead."""
     values = answer if type(answer) is list else as_list(answer)
-    if len(values) != 4:
+    count = len(COMMAND_NAMES)
+    if len(values) != count:
         raise AnswerInvalid(f"step returned {len(values)} values")
-    a, b, c, d = values
-    if type(a) in FLOATS and type(b) in FLOATS and type(c) in FLOATS and type(d) in FLOATS:
-        a, b, c, d = numbers = float(a), float(b), float(c), float(d)
-        most = MAX_VALUE
-        if -most <= a <= most and -most <= b <= most and -most <= c <= most and -most <= d <= most:
-            return numbers  # the usual case, and the fast one
+    if count == VEHICLE:
+        a, b, c, d = values
+        if type(a) in FLOATS and type(b) in FLOATS and type(c) in FLOATS and type(d) in FLOATS:
+            a, b, c, d = numbers = float(a), float(b), float(c), float(d)
+            most = MAX_VALUE
+            small = -most <= a <= most and -most <= b <= most
+            if small and -most <= c <= most and -most <= d <= most:
+                return numbers  # the usual case, and the fast one
     return [as_number(index, value) for index, value in enumerate(values)]
 
 
 def as_list(answer: Any) -> list[Any]:
     """Return the values of an answer that is no plain list; AnswerInvalid if it has none."""
     if isinstance(answer, np.ndarray):
-        if answer.shape != (4,):
+        if answer.shape != (len(COMMAND_NAMES),):
             raise AnswerInvalid(f"step returned an array of shape {answer.shape}")
         if answer.dtype.kind not in "fiu":
             raise AnswerInvalid(f"step returned an array of {answer.dtype}")
@@ -158,9 +170,10 @@ def as_list(answer: Any) -> list[Any]:
         raise AnswerInvalid("step returned None (is a return missing?)")
     if not isinstance(answer, (list, tuple)):
         raise AnswerInvalid(f"step returned a value of type {type(answer).__name__}")
-    values = list(itertools.islice(answer, 5))  # a user-defined list may be endless
-    if len(values) != 4:
-        count = len(answer) if len(answer) != 4 else "more than 4"
+    wanted = len(COMMAND_NAMES)
+    values = list(itertools.islice(answer, wanted + 1))  # a user-defined list may be endless
+    if len(values) != wanted:
+        count = len(answer) if len(answer) != wanted else f"more than {wanted}"
         raise AnswerInvalid(f"step returned {count} values")
     return values
 
@@ -177,6 +190,7 @@ def as_number(index: int, value: Any) -> float:
         number = float(value)
     except OverflowError:
         number = math.inf
-    if not abs(number) <= MAX_VALUE:  # also catches NaN
-        raise AnswerInvalid(f"step returned {number} for {COMMAND_NAMES[index]}")
+    if not abs(number) <= LIMITS[index]:  # also catches NaN
+        beyond = f", beyond its limit of {LIMITS[index]:g}" if index >= VEHICLE else ""
+        raise AnswerInvalid(f"step returned {number} for {COMMAND_NAMES[index]}{beyond}")
     return number

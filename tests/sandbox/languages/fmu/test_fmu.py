@@ -12,6 +12,7 @@ from seamark.sandbox.languages.fmu.inside.build import BUILD, Build, build_of
 from seamark.sandbox.languages.fmu.inside.description import Unusable, read
 from seamark.sandbox.languages.fmu.inside.wiring import Wiring, wired
 from seamark.sandbox.languages.inside.port_names import command_spans, observation_spans
+from seamark.sandbox.languages.inside.wire import COMMAND
 
 LAYOUT = {"observation": [["t", 0], ["error", 3], ["attitude", 3], ["thrust", 2]]}
 MODEL = '<CoSimulation modelIdentifier="m"/>'
@@ -132,7 +133,7 @@ def test_an_element_of_a_vector_has_three_names() -> None:
     assert spans["error[2]"] == spans["error_2"] == spans["error_y"]
     assert spans["yaw"] == spans["attitude[3]"]
     assert spans["thrust[2]"].offset == 8
-    assert command_spans()["yaw_rate"] == command_spans()["command[4]"]
+    assert command_spans(COMMAND)["yaw_rate"] == command_spans(COMMAND)["command[4]"]
 
 
 BUILT = """

@@ -259,7 +259,7 @@ def test_a_controller_has_no_descriptor_of_images(box) -> None:
         b"        except OSError:\n            return False\n"
         b"    def step(self, o):\n        return [0] * 4\n"
     )
-    box.load(source, "a.py", {}, {"observation": [["t", 0]], "command": []})
+    box.load(source, "a.py", {}, {"observation": [["t", 0]]})
     box.step([0.0])
 
     assert len(box.finish().output.split(b",")) == 4
