@@ -1,103 +1,31 @@
-"""The real service, started by `seamark up` in a temporary folder, and browsers to visit it."""
+"""The real service, and browsers to visit it."""
 
 import asyncio
-import contextlib
 import os
 import shutil
-import subprocess
-import sys
-import tempfile
-import time
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
-from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
-from seamark.server.database.engine import Database
+from tests.journey.service import Service, locked, once, running, shared, without_baselines
 from tests.journey.visitor import RUN_MS, Visitor
-from tests.services.embedded import cancel_baselines
-from tests.services.ports import free_port
-from tests.services.processes import end
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-START_S = 240.0
-ROOT = Path(__file__).parents[2]
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
-EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame
 PAGE_MS = 30_000  # most that a page takes to change on a loaded machine; Playwright's own is 5 s
 expect.set_options(timeout=PAGE_MS)
 # WebGL without a graphics card.
 SOFTWARE_RENDERING = ["--enable-unsafe-swiftshader"]
 
 
-@dataclass(frozen=True)
-class Service:
-    """A running service."""
-
-    url: str
-    data: Path
-
-
-def _is_ready(url: str) -> bool:
-    try:
-        with urllib.request.urlopen(f"{url}/readyz", timeout=2) as response:  # noqa: S310 - our own
-            return bool(response.status == 200)
-    except (urllib.error.URLError, OSError):
-        return False
-
-
-def _wait_until_ready(process: "subprocess.Popen[bytes]", url: str, log: Path) -> None:
-    deadline = time.monotonic() + START_S
-    while not _is_ready(url):
-        if process.poll() is not None or time.monotonic() > deadline:
-            pytest.fail(f"the service did not start:\n{log.read_text()[-4000:]}")
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(0.2)  # returns at once when the service ends
-
-
-def _cancel_baselines(url: str) -> None:
-    with closing(Database(url)) as database:
-        cancel_baselines(database)
-
-
-@contextlib.contextmanager
-def running(**settings: str) -> Iterator[Service]:
-    """Run `seamark up` on a free port."""
-    with tempfile.TemporaryDirectory(prefix="seamark-journey-") as folder:
-        port, data, log = free_port(), Path(folder) / "data", Path(folder) / "log"
-        command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(port)]
-        with log.open("wb") as output:
-            process = subprocess.Popen(
-                [*command, "--data", str(data)],
-                cwd=ROOT,
-                env={
-                    **os.environ,
-                    "SEAMARK_SIGN_UPS_PER_HOUR": "1000",  # all tests sign up from one address
-                    "SEAMARK_EMBED_ORIGINS": f"http://localhost:{EMBEDDING_PORT}",
-                    **settings,
-                },
-                stdout=output,
-                stderr=subprocess.STDOUT,
-            )
-        try:
-            url = f"http://127.0.0.1:{port}"
-            _wait_until_ready(process, url, log)
-            yield Service(url, data)
-        finally:
-            end(process, 30.0)
-
-
 @pytest.fixture(scope="session")
-def service() -> Iterator[Service]:
-    """The service with its embedded defaults: SQLite and its own broker."""
-    with running() as embedded:
-        _cancel_baselines(f"sqlite:///{embedded.data / 'seamark.db'}")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """The service that all processes of the tests share."""
+    folder = tmp_path_factory.getbasetemp()
+    with shared(folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) as embedded:
         yield embedded
 
 
@@ -106,7 +34,7 @@ def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """The same service on PostgreSQL and a broker over TCP, by settings alone."""
     variables = {"SEAMARK_DATABASE_URL": postgres_url, "SEAMARK_BROKER_URL": redis_tcp_url}
     with running(**variables) as started:
-        _cancel_baselines(postgres_url)
+        without_baselines(postgres_url)
         yield started
 
 
@@ -170,6 +98,13 @@ def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
 @pytest.fixture(scope="session")
 def finished(chromium: Browser, service: Service) -> tuple[int, Any]:
     """A public run that has finished, and the cookies of its owner."""
+    folder = Path(service.folder)
+    with locked(folder):
+        run_id, cookies = once(folder / "finished.json", lambda: _finish(chromium, service))
+    return run_id, cookies
+
+
+def _finish(chromium: Browser, service: Service) -> tuple[int, Any]:
     context = chromium.new_context()
     visitor = Visitor(context.new_page(), service.url)
     visitor.sign_up("player")
@@ -179,4 +114,6 @@ def finished(chromium: Browser, service: Service) -> tuple[int, Any]:
     visitor.wait_for("succeeded")
     visitor.publish()
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
-    return run_id, context.storage_state()
+    cookies = context.storage_state()
+    context.close()
+    return run_id, cookies

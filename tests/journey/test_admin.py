@@ -11,7 +11,8 @@ from playwright.sync_api import Browser, Locator, expect
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.database.engine import Database
-from tests.journey.conftest import SHORT, Service
+from tests.journey.conftest import SHORT
+from tests.journey.service import Service
 from tests.journey.visitor import PASSWORD, RUN_MS, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]

@@ -10,7 +10,7 @@ from sqlalchemy import update
 
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import User
-from tests.journey.conftest import Service
+from tests.journey.service import Service
 from tests.journey.visitor import Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.journey.conftest import Service
+from tests.journey.service import Service
 from tests.journey.visitor import Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]

@@ -18,7 +18,7 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app
 from seamark.server.settings import Settings
-from tests.journey.conftest import Service
+from tests.journey.service import Service
 from tests.journey.visitor import PASSWORD, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]

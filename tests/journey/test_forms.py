@@ -6,7 +6,7 @@ import time
 import httpx
 import pytest
 
-from tests.journey.conftest import Service
+from tests.journey.service import Service
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 

@@ -13,7 +13,8 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
-from tests.journey.conftest import SHORT, Service
+from tests.journey.conftest import SHORT
+from tests.journey.service import Service
 from tests.services import promql
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.journey.conftest import EMBEDDING_PORT, Service
+from tests.journey.service import Service
 from tests.journey.visitor import Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
@@ -18,8 +18,8 @@ SCENE_MS = 60_000  # three.js and a first picture, on a machine with other work
 
 
 @pytest.fixture
-def other_site(service: Service) -> Iterator[None]:
-    """Another web server; its page shows the run that its query names in a frame."""
+def other_site(service: Service) -> Iterator[int]:
+    """The port of another web server; its page shows the run that its query names in a frame."""
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
@@ -33,27 +33,27 @@ def other_site(service: Service) -> Iterator[None]:
         def log_message(self, *_: object) -> None:
             """Say nothing."""
 
-    server = ThreadingHTTPServer(("127.0.0.1", EMBEDDING_PORT), Handler)
+    server = ThreadingHTTPServer(("127.0.0.1", service.embedding_port), Handler)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
-    yield
+    yield service.embedding_port
     server.shutdown()
     thread.join()
     server.server_close()
 
 
 def test_a_site_that_the_operator_allows_shows_the_player_in_a_frame_and_others_do_not(
-    chromium: Browser, other_site: None, finished: tuple[int, Any]
+    chromium: Browser, other_site: int, finished: tuple[int, Any]
 ) -> None:
     page = chromium.new_context().new_page()
     frame = page.frame_locator("iframe")
 
-    page.goto(f"http://localhost:{EMBEDDING_PORT}/?{finished[0]}")
+    page.goto(f"http://localhost:{other_site}/?{finished[0]}")
     expect(frame.locator("[data-pose]")).to_contain_text("north", timeout=SCENE_MS)
     frame.locator("[data-time]").fill("25")
     expect(frame.locator("[data-clock]")).to_contain_text("25.00 s, current 0.4 m/s")
     with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
-        page.goto(f"http://127.0.0.1:{EMBEDDING_PORT}/?{finished[0]}")
+        page.goto(f"http://127.0.0.1:{other_site}/?{finished[0]}")
 
     expect(frame.locator("[data-player]")).to_have_count(0)
     page.context.close()

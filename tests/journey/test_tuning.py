@@ -18,7 +18,7 @@ from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.server.runs.record.states import LIVE
-from tests.journey.conftest import Service
+from tests.journey.service import Service
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 
