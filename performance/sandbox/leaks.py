@@ -37,7 +37,7 @@ class Controller:
         print("x" * 1000)
         return [0.0, 0.0, 0.0, 0.0]
 """
-LAYOUT = {"observation": [["t", 0]], "command": []}
+LAYOUT = {"observation": [["t", 0]]}
 
 
 def rows() -> list[Row]:

@@ -16,7 +16,7 @@ from seamark.sandbox.pool import BoxLease, Pool
 pytestmark = pytest.mark.host
 
 LIMITS = Limits(cpu_s=60.0)
-LAYOUT = {"observation": [["t", 0]], "command": []}
+LAYOUT = {"observation": [["t", 0]]}
 SOURCE = b"""
 class Controller:
     def __init__(self, config): ...

@@ -41,7 +41,7 @@ REPORT = """
     from seamark.sandbox.probing.probes import probe
     from seamark.sandbox.limits import Limits
     from seamark.sandbox.outcome import ProgramEnded
-    LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}
+    LAYOUT = {"observation": [["t", 0], ["error", 3]]}
     found = probe()
     report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
     strong = found.level.name == "STRONG"
