@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -66,6 +66,7 @@ class Server:
 
     def start(self) -> None:
         """Start the server and wait until it answers."""
+        _forget(self.folder)
         options = ["-k", self.folder, "-c", "listen_addresses="]
         options += ["-c", f"fsync={'on' if self._durable else 'off'}"]
         postgres = [str(self._programs / "postgres"), "-D", f"{self.folder}/data", *options]
@@ -77,6 +78,7 @@ class Server:
 
     def stop(self, number: signal.Signals = signal.SIGINT) -> None:
         """Stop the server: SIGINT ends the connections, SIGQUIT leaves the rest to recovery."""
+        _forget(self.folder)
         if self._process is not None:
             self._process.send_signal(number)
             self._process.wait(timeout=30)
@@ -105,10 +107,20 @@ def database(folder: str, name: str, *, template: str = "template1") -> Iterator
         _sql(folder, f'DROP DATABASE "{name}" WITH (FORCE)')
 
 
+_connections: dict[str, psycopg.Connection] = {}  # folder of a server -> ours as its superuser
+
+
 def _sql(folder: str, statement: str) -> None:
-    url = f"postgresql://postgres@/postgres?host={folder}"
-    with closing(psycopg.connect(url, autocommit=True)) as connection:
-        connection.execute(statement.encode())
+    """Execute a statement. The connection stays: the server starts a process for each."""
+    if folder not in _connections:
+        url = f"postgresql://postgres@/postgres?host={folder}"
+        _connections[folder] = psycopg.connect(url, autocommit=True)
+    _connections[folder].execute(statement.encode())
+
+
+def _forget(folder: str) -> None:
+    if folder in _connections:
+        _connections.pop(folder).close()
 
 
 def _wait_until_ready(programs: Path, folder: str) -> None:
