@@ -29,7 +29,8 @@ def test_concurrent_writers_lose_no_update(database: Database) -> None:
     with database.writing() as session:
         session.add(Turn(owner="x", served_at=0.0))
     url = database.engine.url.render_as_string(hide_password=False)
-    context = multiprocessing.get_context("spawn")
+    database.close()  # SQLite is not to be carried through a fork
+    context = multiprocessing.get_context("fork")
     writers = [context.Process(target=_count_up, args=(url,)) for _ in range(PROCESSES)]
 
     for writer in writers:
