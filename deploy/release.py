@@ -51,8 +51,8 @@ def missing(release: str) -> Iterator[str]:
 
 
 def _git(*words: str) -> str:
-    found = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
-    return found.stdout.strip()
+    answer = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+    return answer.stdout.strip()
 
 
 def write_sbom(path: Path) -> None:
@@ -68,10 +68,10 @@ def write_sbom(path: Path) -> None:
 
 def _uv() -> str:
     """Return the uv that `./run` has found or installed."""
-    found = shutil.which("uv", path=f"{ROOT / '.boot' / 'bin'}:{os.environ.get('PATH', '')}")
-    if found is None:
+    uv = shutil.which("uv", path=f"{ROOT / '.boot' / 'bin'}:{os.environ.get('PATH', '')}")
+    if uv is None:
         sys.exit("uv is missing: ./run release installs it.")
-    return found
+    return uv
 
 
 def build(release: str) -> None:
@@ -84,9 +84,9 @@ def build(release: str) -> None:
     subprocess.run(command, cwd=ROOT, check=True)
     bill = dist / f"seamark-{release}.cdx.json"
     write_sbom(bill)
-    found = JsonStrictValidator(SchemaVersion.V1_5).validate_str(bill.read_text("utf-8"))
-    if found is not None:  # after most of a minute
-        raise ValueError(f"{bill} is no bill of materials: {found}")
+    error = JsonStrictValidator(SchemaVersion.V1_5).validate_str(bill.read_text("utf-8"))
+    if error is not None:  # after most of a minute
+        raise ValueError(f"{bill} is no bill of materials: {error}")
     files = sorted(path for path in dist.iterdir() if path.name.startswith("seamark"))
     sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
     (dist / "SHA256SUMS").write_text("".join(sums))

@@ -100,10 +100,10 @@ def _write_images(settings: Settings, files: RunFiles) -> None:
     run = recorded_demo.run()
     with zipfile.ZipFile(FOLDER / IMAGES, "w", zipfile.ZIP_STORED) as archive:
         for t in np.arange(0.0, run.t_simulated, IMAGE_EVERY_S):
-            found = camera_view.render(settings, run, trial=0, t=float(t), files=files)
-            if found is not None:
+            image = camera_view.render(settings, run, trial=0, t=float(t), files=files)
+            if image is not None:
                 entry = zipfile.ZipInfo(f"{t:05.1f}.jpg")  # without the time of writing
-                archive.writestr(entry, _jpeg(_decoded(found), IMAGE_SIZE, IMAGE_QUALITY))
+                archive.writestr(entry, _jpeg(_decoded(image), IMAGE_SIZE, IMAGE_QUALITY))
 
 
 def _write_poster(page: Page, url: str) -> None:

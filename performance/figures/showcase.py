@@ -143,7 +143,7 @@ def _paths(data: Path, own: int, failed: int, ranked: int) -> list[str]:
     services = app.extensions["seamark"]
     with services.database.reading() as session:
         user_id = session.scalars(select(User.id).where(User.name == PUPILS[-1])).one()
-    found = pages(app, run_id=own, user=PUPILS[-1], user_id=user_id)
+    of_routes = pages(app, run_id=own, user=PUPILS[-1], user_id=user_id)
     services.close()
     more = (f"/leaderboards/{BENCHMARK}", f"/runs/{ranked}", f"/runs/{failed}", "/nowhere")
-    return [*found, *more]
+    return [*of_routes, *more]

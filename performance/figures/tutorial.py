@@ -71,5 +71,5 @@ def main(_arguments: Sequence[str]) -> int:
     text = PAGE.read_text(encoding="utf-8")
     shown = markdown_table(HEAD, rows)
     print(shown)
-    PAGE.write_text(_TABLE.sub(lambda found: f"{found[1]}{shown}\n{found[2]}", text), "utf-8")
+    PAGE.write_text(_TABLE.sub(lambda match: f"{match[1]}{shown}\n{match[2]}", text), "utf-8")
     return 0

@@ -38,16 +38,16 @@ def main(_arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory(prefix="seamark-foxglove-") as name:
         folder = Path(name)
         try:
-            found, rows = _read(folder)
-            _check(folder / "out", found, rows)
+            reading, rows = _read(folder)
+            _check(folder / "out", reading, rows)
         except Failed as failed:
             print(failed, file=sys.stderr)
             return 1
-    for topic, count in sorted(found["counts"].items()):
+    for topic, count in sorted(reading["counts"].items()):
         print(f"  {topic}: {count} messages")
     print(f"{len(rows)} rows of {rows.shape[1]} columns are the recorded ones, bit for bit.")
-    print(f"{len(set(found['definitions']))} definitions are the published ones.")
-    print(f"{len(found['images'])} images decode.")
+    print(f"{len(set(reading['definitions']))} definitions are the published ones.")
+    print(f"{len(reading['images'])} images decode.")
     return 0
 
 
@@ -62,16 +62,16 @@ def _read(folder: Path) -> tuple[dict[str, Any], Rows]:
     printed = run(("node", "read.mjs", str(folder / "run.mcap"), str(folder / "out")), reader)
     text = (folder / "result" / "telemetry.csv").read_text(encoding="utf-8")
     names, rows = telemetry_csv.read(text)
-    found: dict[str, Any] = json.loads(printed)
-    if found["columns"] != names:
-        raise Failed(f"the columns are {found['columns']}")
-    return found, rows
+    reading: dict[str, Any] = json.loads(printed)
+    if reading["columns"] != names:
+        raise Failed(f"the columns are {reading['columns']}")
+    return reading, rows
 
 
-def _check(out: Path, found: dict[str, Any], rows: Rows) -> None:
+def _check(out: Path, reading: dict[str, Any], rows: Rows) -> None:
     """Compare what the reader wrote with the rows; raises Failed."""
-    if set(found["counts"]) != set(mcap_file.TOPICS):
-        raise Failed(f"the topics are {sorted(found['counts'])}")
+    if set(reading["counts"]) != set(mcap_file.TOPICS):
+        raise Failed(f"the topics are {sorted(reading['counts'])}")
     if (out / "rows.f64").read_bytes() != rows.astype("<f8").tobytes():
         raise Failed("a value of the telemetry differs")
     position = slice(INDEX["x"], INDEX["z"] + 1)
@@ -79,7 +79,7 @@ def _check(out: Path, found: dict[str, Any], rows: Rows) -> None:
     poses = np.hstack([frames.to_enu(rows[:, position]), frames.orientation(rows[:, angles])])
     if (out / "poses.f64").read_bytes() != poses.astype("<f8").tobytes():
         raise Failed("a pose differs")
-    for name, (width, height) in zip(found["images"], found["sizes"], strict=True):
+    for name, (width, height) in zip(reading["images"], reading["sizes"], strict=True):
         image = cv2.imread(str(out / name))
         if image is None or image.shape != (height, width, 3):
             raise Failed(f"{name} is no image of {width} x {height} pixels")

@@ -26,14 +26,14 @@ NUMPY = (sys.executable, "-c", "import numpy")
 
 def rows(isolation: IsolationLevel, core: int) -> list[Row]:
     """Measure all languages available on this host."""
-    found: list[Row] = []
+    table: list[Row] = []
     for name in LANGUAGES:
         try:
             program = _program(name, isolation)
         except SandboxBroken:  # not installed here
             continue
-        found += _of_language(name, program, isolation, core)
-    return found
+        table += _of_language(name, program, isolation, core)
+    return table
 
 
 def _program(name: str, isolation: IsolationLevel) -> bytes:

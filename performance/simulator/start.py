@@ -48,7 +48,7 @@ print(json.dumps(marks))
 
 def rows() -> list[Row]:
     """Measure and return the rows; each part has a row of CPU time and one of wall time."""
-    parts = min((_parts() for _ in range(REPEATS)), key=lambda found: sum(c for _, _, c in found))
+    parts = min((_parts() for _ in range(REPEATS)), key=lambda part: sum(c for _, _, c in part))
     commands = (("whole command", RUN), ("--help", ("--help",)))
     floor = _fastest([sys.executable, "-c", LIBRARIES])
     measured = []
@@ -101,8 +101,8 @@ def _parts() -> list[tuple[str, float, float]]:
 
 def _fastest(command: Sequence[str]) -> tuple[float, float]:
     """Return the shortest wall time and CPU time [s] of a command that writes its data."""
-    found = [_timed(command) for _ in range(REPEATS)]
-    return min(wall for wall, _ in found), min(cpu for _, cpu in found)
+    timings = [_timed(command) for _ in range(REPEATS)]
+    return min(wall for wall, _ in timings), min(cpu for _, cpu in timings)
 
 
 def _timed(command: Sequence[str]) -> tuple[float, float]:
@@ -120,7 +120,7 @@ def _children_cpu_s() -> float:
 
 def _first_progress_s() -> tuple[float, float]:
     """Return the time until the first two lines: loading, and simulating [s]."""
-    found = []
+    timings = []
     for _ in range(REPEATS):
         started = time.perf_counter()
         with subprocess.Popen(
@@ -129,5 +129,5 @@ def _first_progress_s() -> tuple[float, float]:
             assert process.stderr is not None  # noqa: S101 - a pipe was asked for
             seen = [(process.stderr.readline(), time.perf_counter() - started) for _ in range(2)]
             process.kill()
-        found.append((seen[0][1], seen[1][1]))
-    return min(first for first, _ in found), min(second for _, second in found)
+        timings.append((seen[0][1], seen[1][1]))
+    return min(first for first, _ in timings), min(second for _, second in timings)

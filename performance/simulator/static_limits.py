@@ -28,10 +28,10 @@ def can_hold(vehicle: Vehicle, speed: float, azimuth_rad: float) -> bool:
     needed = -(mass @ plant.acceleration())[BALANCED]
     allocation = vehicle.allocation()[BALANCED]
     forward, reverse = vehicle.curve.limits.value
-    found = linprog(
+    solution = linprog(
         np.zeros(allocation.shape[1]), A_eq=allocation, b_eq=needed, bounds=(-reverse, forward)
     )
-    return bool(found.success)
+    return bool(solution.success)
 
 
 def limit(vehicle: Vehicle, azimuth_rad: float) -> float:

@@ -113,14 +113,14 @@ TRACKERS: Mapping[str, Callable[[], Unseeing]] = {
 
 def solutions(entry: Benchmark) -> dict[str, Callable[[Any], Any]]:
     """Return name -> how to make the solution for a configuration: adversaries, then built-ins."""
-    found: dict[str, Callable[[Any], Any]] = {}
+    makers: dict[str, Callable[[Any], Any]] = {}
     if entry.role == "controller":
-        found |= {name: partial(_timed, command) for name, command in CONTROLLERS.items()}
+        makers |= {name: partial(_timed, command) for name, command in CONTROLLERS.items()}
     else:
-        found |= {name: partial(_unseeing, make) for name, make in TRACKERS.items()}
+        makers |= {name: partial(_unseeing, make) for name, make in TRACKERS.items()}
     for name, label in {**entry.reference_built_in, **entry.built_in}.items():
-        found[f"built-in: {label}"] = partial(entry.load().built_in, name)
-    return found
+        makers[f"built-in: {label}"] = partial(entry.load().built_in, name)
+    return makers
 
 
 def _timed(command: Callable[[float], Command], _config: Any) -> Timed:
@@ -152,11 +152,11 @@ def text(name: str, *, trials: int, seed: int) -> str:
     entry = benchmark(name)
     rows = []
     for label, make in solutions(entry).items():
-        found = measured(entry, make, trials=trials, seed=seed)
-        low, high = found["score_low"], found["score_high"]
+        summary = measured(entry, make, trials=trials, seed=seed)
+        low, high = summary["score_low"], summary["score_high"]
         interval = "" if low is None else f"{low:.3f} to {high:.3f}"
-        ranks = "yes" if found["rankable"] else "no"
-        rows.append((label, f"{found['score']:.3f}", interval, ranks))
+        ranks = "yes" if summary["rankable"] else "no"
+        rows.append((label, f"{summary['score']:.3f}", interval, ranks))
     unit = entry.headline.unit or entry.headline.label
     header = ("program", f"score [{unit}]", "95 % interval", "ranks")
     return f"{name}: {trials} trials, seed {seed}\n\n{markdown_table(header, rows)}"

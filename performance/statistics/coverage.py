@@ -92,10 +92,10 @@ def bootstrap_coverage(scores: Scores, trials: int, method: str) -> float:
     for _ in range(0, BOOTSTRAP_RUNS, CHUNK):
         drawn = scores.draw(generator, CHUNK, trials)
         means = np.mean(drawn.reshape(CHUNK, -1, scores.block), axis=2)
-        found = stats.bootstrap(
+        interval = stats.bootstrap(
             (means,), np.mean, axis=1, n_resamples=RESAMPLES, method=method, rng=generator
         ).confidence_interval
-        hits += int(np.sum((found.low <= scores.mean) & (scores.mean <= found.high)))
+        hits += int(np.sum((interval.low <= scores.mean) & (scores.mean <= interval.high)))
     return 100.0 * hits / BOOTSTRAP_RUNS
 
 
@@ -136,9 +136,9 @@ def rank_coverage(board: Board, runs: int) -> tuple[float, float, float]:
     covered, width = np.zeros(rows), 0.0
     for _ in range(runs):
         spread = board.spread[:, None]
-        found = _ranges(generator.normal(board.truth[:, None], spread, (rows, board.trials)))
-        covered += (found[:, 0] <= first) & (last <= found[:, 1])
-        width += float(np.mean(found[:, 1] - found[:, 0])) + 1.0
+        ranges = _ranges(generator.normal(board.truth[:, None], spread, (rows, board.trials)))
+        covered += (ranges[:, 0] <= first) & (last <= ranges[:, 1])
+        width += float(np.mean(ranges[:, 1] - ranges[:, 0])) + 1.0
     shares = 100.0 * covered / runs
     return float(np.mean(shares)), float(np.min(shares)), width / runs
 

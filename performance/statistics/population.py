@@ -22,8 +22,8 @@ FIRST_SEED = 5_000_000  # trial i has seed FIRST_SEED + i: fresh water in every 
 
 def stored() -> dict[str, list[float]]:
     """Return "benchmark solution" -> scores in the order of the trials."""
-    found: dict[str, list[float]] = json.loads(FILE.read_text()) if FILE.exists() else {}
-    return found
+    scores: dict[str, list[float]] = json.loads(FILE.read_text()) if FILE.exists() else {}
+    return scores
 
 
 def score(benchmark: str, solution: str, trial: int) -> float:

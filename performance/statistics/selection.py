@@ -49,12 +49,12 @@ class Population:
 
 def populations() -> list[Population]:
     """Return the measured populations of benchmarks with fresh trials."""
-    found = []
+    all_populations = []
     for title, scores in population.stored().items():
         name, solution = title.split()
         entry = benchmark(name)
         if entry.protocol is not None:
-            found.append(
+            all_populations.append(
                 Population(
                     name=name,
                     solution=solution,
@@ -63,7 +63,7 @@ def populations() -> list[Population]:
                     means=np.array(block_means(scores, entry.protocol.block)),
                 )
             )
-    return found
+    return all_populations
 
 
 def gain(entry: Population, submissions: int, *, repeats: int = REPEATS) -> float:
@@ -81,7 +81,7 @@ def passes(entry: Population, submissions: int, *, repeats: int = REPEATS) -> fl
         difference_interval(best.tolist(), other.tolist())
         for best, other in _selections(entry, submissions, repeats)
     ]
-    return sum(found is not None and found[0] > 0.0 for found in intervals) / repeats
+    return sum(interval is not None and interval[0] > 0.0 for interval in intervals) / repeats
 
 
 def _selections(
@@ -136,7 +136,7 @@ def draw(entries: list[Population]) -> None:
 
 def main(_arguments: Sequence[str]) -> int:
     """Print the tables and write the figure."""
-    found = populations()
-    print("\n\n".join(map(text, found)))
-    draw(found)
+    all_populations = populations()
+    print("\n\n".join(map(text, all_populations)))
+    draw(all_populations)
     return 0

@@ -56,7 +56,7 @@ def hint(sentence: str) -> Hint:
     """Return what to do about a failure; an empty hint if its sentence says nothing special."""
     if absent := _ABSENT_MODULE.match(sentence):
         return Hint(_absent_module(absent[1]), IN_THE_BOX)
-    return next((found for pattern, found in _HINTS if pattern.search(sentence)), Hint())
+    return next((advice for pattern, advice in _HINTS if pattern.search(sentence)), Hint())
 
 
 def _absent_module(name: str) -> str:

@@ -16,10 +16,10 @@ _FUNCTIONS = {
 
 def lint(files: Mapping[str, bytes], main: str, role: str) -> list[Diagnostic]:
     """Return the problems found in the main file: it has to consist of functions."""
-    found = _CLASS.match(files[main])
-    if found is None:
+    definition = _CLASS.match(files[main])
+    if definition is None:
         return []
-    line = found[1].count(b"\n") + 1
+    line = definition[1].count(b"\n") + 1
     sentence = (
         f"This file defines a class. A program in MATLAB is a file of functions: write "
         f"{_FUNCTIONS[role]}, which keep their data in the structure `state`."

@@ -80,7 +80,7 @@ class Parameter:
 
     def entry(self) -> dict[str, Any]:
         """Return the JSON Schema of its value, with the same extras as that of a setting."""
-        found: dict[str, Any] = {
+        schema: dict[str, Any] = {
             "type": self.type,
             "title": self.name,
             "description": self.description,
@@ -89,10 +89,10 @@ class Parameter:
             "x-role": "solution",
         }
         if self.low is not None:
-            found["minimum"] = self.low
+            schema["minimum"] = self.low
         if self.high is not None:
-            found["maximum"] = self.high
-        return found
+            schema["maximum"] = self.high
+        return schema
 
     def to_json(self) -> dict[str, Any]:
         """Return the JSON object of the API, of the database and of the form."""

@@ -62,8 +62,8 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
     if language is None or LANGUAGES[language].is_archive:
         return _prepare_archive(source, name, language, role)
     _check_format(name, source, language)
-    found = _lint(language, {name: source}, name, role)
-    return _declaring(PreparedProgram(name, language, source, found), source, name)
+    diagnostics = _lint(language, {name: source}, name, role)
+    return _declaring(PreparedProgram(name, language, source, diagnostics), source, name)
 
 
 def clean_name(filename: str) -> str:
@@ -92,8 +92,8 @@ def _prepare_archive(source: bytes, name: str, language: str | None, role: str) 
     if language is not None:
         return _declaring(PreparedProgram(name, language, content), content, name)
     language, main = _main_file(files, name)
-    found = _lint(language, files, main, role)
-    return _declaring(PreparedProgram(name, language, content, found), files[main], main)
+    diagnostics = _lint(language, files, main, role)
+    return _declaring(PreparedProgram(name, language, content, diagnostics), files[main], main)
 
 
 def _declaring(prepared: PreparedProgram, source: bytes, main: str) -> PreparedProgram:

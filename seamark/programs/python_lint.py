@@ -25,7 +25,7 @@ def lint(files: Mapping[str, bytes], main: str, role: str) -> list[Diagnostic]:
     role
         A key of `INTERFACES`.
     """
-    found, trees, remaining = list[Diagnostic](), dict[str, ast.Module](), PARSED_MAX
+    diagnostics, trees, remaining = list[Diagnostic](), dict[str, ast.Module](), PARSED_MAX
     for path in sorted(files, key=lambda path: path != main):
         if not path.endswith(".py") and path != main:
             continue
@@ -34,12 +34,12 @@ def lint(files: Mapping[str, bytes], main: str, role: str) -> list[Diagnostic]:
             break
         tree = _parse(path, files[path])
         if isinstance(tree, Diagnostic):
-            found.append(tree)
+            diagnostics.append(tree)
         else:
             trees[path] = tree
     if main in trees:
-        found += _check_interface(trees[main], main, INTERFACES[role])
-    return found
+        diagnostics += _check_interface(trees[main], main, INTERFACES[role])
+    return diagnostics
 
 
 def _parse(path: str, content: bytes) -> ast.Module | Diagnostic:
@@ -71,10 +71,10 @@ def _check_interface(tree: ast.Module, file: str, interface: Interface) -> Itera
         if not _may_define(tree, interface.class_name):
             yield _class_missing(classes, file, interface.class_name)
         return
-    found = _Class(classes[interface.class_name])
-    _collect(found, classes)
-    found.open_ended |= _used_elsewhere(tree, found.node)
-    yield from _check_methods(found, file, interface)
+    outline = _Class(classes[interface.class_name])
+    _collect(outline, classes)
+    outline.open_ended |= _used_elsewhere(tree, outline.node)
+    yield from _check_methods(outline, file, interface)
 
 
 def _class_missing(classes: Mapping[str, ast.ClassDef], file: str, name: str) -> Diagnostic:
@@ -98,34 +98,34 @@ def _may_define(tree: ast.Module, name: str) -> bool:
     return False
 
 
-def _collect(found: _Class, classes: Mapping[str, ast.ClassDef]) -> None:
+def _collect(outline: _Class, classes: Mapping[str, ast.ClassDef]) -> None:
     """Add the methods of the class and of its bases in the same file, in resolution order.
 
     Every class is visited once, however many paths lead to it: of methods with one name the first
     counts, so that a second visit would add nothing.
     """
-    waiting, visited = [found.node], set[str]()
+    waiting, visited = [outline.node], set[str]()
     while waiting:
         node = waiting.pop()
         if node.name in visited:
             continue
         visited.add(node.name)
-        _add_body(found, node)
+        _add_body(outline, node)
         names = [base.id if isinstance(base, ast.Name) else "" for base in node.bases]
-        found.open_ended |= any(name not in classes and name != "object" for name in names)
+        outline.open_ended |= any(name not in classes and name != "object" for name in names)
         waiting += [classes[name] for name in reversed(names) if name in classes]
 
 
-def _add_body(found: _Class, node: ast.ClassDef) -> None:
+def _add_body(outline: _Class, node: ast.ClassDef) -> None:
     """Add what the body of one class defines."""
     for part in node.body:
         if isinstance(part, ast.FunctionDef | ast.AsyncFunctionDef):
-            found.methods.setdefault(part.name, part)
-            found.names.add(part.name)
+            outline.methods.setdefault(part.name, part)
+            outline.names.add(part.name)
         elif not isinstance(part, ast.Expr | ast.Pass | ast.ClassDef):
-            found.names |= {n.id for n in ast.walk(part) if isinstance(n, ast.Name)}
-            found.open_ended |= not isinstance(part, ast.Assign | ast.AnnAssign)
-    found.open_ended |= bool(node.decorator_list or node.keywords)
+            outline.names |= {n.id for n in ast.walk(part) if isinstance(n, ast.Name)}
+            outline.open_ended |= not isinstance(part, ast.Assign | ast.AnnAssign)
+    outline.open_ended |= bool(node.decorator_list or node.keywords)
 
 
 def _used_elsewhere(tree: ast.Module, node: ast.ClassDef) -> bool:
@@ -137,17 +137,17 @@ def _used_elsewhere(tree: ast.Module, node: ast.ClassDef) -> bool:
     )
 
 
-def _check_methods(found: _Class, file: str, interface: Interface) -> Iterator[Diagnostic]:
+def _check_methods(outline: _Class, file: str, interface: Interface) -> Iterator[Diagnostic]:
     for name, arguments in (interface.required | interface.optional).items():
         signature = f"{name}({', '.join(('self', *arguments))})"
-        if name in found.methods:
-            if reason := _not_callable(found.methods[name], len(arguments)):
-                line = found.methods[name].lineno
+        if name in outline.methods:
+            if reason := _not_callable(outline.methods[name], len(arguments)):
+                line = outline.methods[name].lineno
                 sentence = f"{name} {reason}; write {signature}."
                 yield Diagnostic(sentence=sentence, file=file, line=line)
-        elif name in interface.required and name not in found.names and not found.open_ended:
+        elif name in interface.required and name not in outline.names and not outline.open_ended:
             sentence = f"{interface.class_name} has no method {signature}."
-            yield Diagnostic(sentence=sentence, file=file, line=found.node.lineno)
+            yield Diagnostic(sentence=sentence, file=file, line=outline.node.lineno)
 
 
 def _not_callable(method: _Method, given: int) -> str | None:

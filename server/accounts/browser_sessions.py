@@ -70,7 +70,7 @@ def of_account(session: Session, user_id: int, text: str) -> list[SignedIn]:
 def end_by_handle(session: Session, user_id: int, handle: str) -> bool:
     """Sign out one browser of an account; False if there is none with this handle."""
     own = select(BrowserSession.hash).where(BrowserSession.user_id == user_id)
-    named = [found for found in session.scalars(own) if found[:_HANDLE] == handle]
+    named = [digest for digest in session.scalars(own) if digest[:_HANDLE] == handle]
     session.execute(delete(BrowserSession).where(BrowserSession.hash.in_(named)))
     return bool(named)
 

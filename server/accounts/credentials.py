@@ -30,7 +30,7 @@ def refused(session: Session, credentials: Collection[Credential]) -> set[Creden
             select(table.hash)
             .join(User, User.id == table.user_id)
             .where(
-                table.hash.in_([found.hash for found in credentials if found.table is table]),
+                table.hash.in_([one.hash for one in credentials if one.table is table]),
                 or_(table.expires_at.is_(None), table.expires_at > time.time()),
                 User.disabled_at.is_(None),
                 User.id.not_in(select(AccountDeletion.user_id)),

@@ -71,8 +71,8 @@ def configure(level: Level, style: Format = "auto") -> None:
 
 def request_id() -> str | None:
     """Return the id of the request that this thread answers; None outside of requests."""
-    found: str | None = structlog.contextvars.get_contextvars().get(REQUEST)
-    return found
+    identifier: str | None = structlog.contextvars.get_contextvars().get(REQUEST)
+    return identifier
 
 
 def _take_over_libraries(stream: TextIO, level: int, processors: Sequence[Processor]) -> None:

@@ -206,8 +206,8 @@ class _Call:
     @property
     def continuation(self) -> Continuation | None:
         """What follows the response's own parts."""
-        found: Continuation | None = self._environ.get(CONTINUATION)
-        return found
+        continuation: Continuation | None = self._environ.get(CONTINUATION)
+        return continuation
 
     def begin(self) -> bytes:
         """Call the application; return the first part of its response."""

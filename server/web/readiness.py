@@ -108,16 +108,16 @@ class _Answer:
 
     def __init__(self) -> None:
         self._there = threading.Event()
-        self._found: Mapping[str, str] | None = None
+        self._details: Mapping[str, str] | None = None
 
-    def give(self, found: Mapping[str, str] | None) -> None:
-        self._found = found
+    def give(self, details: Mapping[str, str] | None) -> None:
+        self._details = details
         self._there.set()
 
     def within(self, until: float) -> Mapping[str, str] | None:
         """Return it, or None if it does not come until then."""
         self._there.wait(max(until - time.monotonic(), 0.0))
-        return self._found
+        return self._details
 
 
 class _Part:
@@ -137,10 +137,10 @@ class _Part:
             return self._pending
 
     def _answer(self, answer: _Answer) -> None:
-        found: Mapping[str, str] | None = None
+        details: Mapping[str, str] | None = None
         try:
-            found = self._question()
+            details = self._question()
         finally:
             with self._lock:
                 self._pending = None
-            answer.give(found)
+            answer.give(details)

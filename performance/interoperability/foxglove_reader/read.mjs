@@ -76,28 +76,28 @@ let columns;
 let read = 0;
 for await (const message of reader.readMessages()) {
   const channel = reader.channelsById.get(message.channelId);
-  const found = decoders.get(channel.schemaId).readMessage(message.data);
+  const content = decoders.get(channel.schemaId).readMessage(message.data);
   counts[channel.topic] = (counts[channel.topic] ?? 0) + 1;
   read += 1;
-  if (found.header !== undefined) {
-    const { sec, nanosec } = found.header.stamp;
+  if (content.header !== undefined) {
+    const { sec, nanosec } = content.header.stamp;
     if (BigInt(sec) * 1_000_000_000n + BigInt(nanosec) !== message.logTime) {
       throw new Error(`${channel.topic}: the header's time is not that of the message`);
     }
   }
   if (channel.topic === "/telemetry") {
-    const { header, ...fields } = found;
+    const { header, ...fields } = content;
     columns ??= Object.keys(fields);
     rows.push(...Object.values(fields));
   } else if (channel.topic === "/vehicle/pose") {
-    const { position: p, orientation: q } = found.pose;
+    const { position: p, orientation: q } = content.pose;
     poses.push(p.x, p.y, p.z, q.x, q.y, q.z, q.w);
   } else if (channel.topic === "/camera/image/compressed") {
-    const name = `image-${images.length}.${found.format}`;
-    await writeFile(path.join(folder, name), found.data);
+    const name = `image-${images.length}.${content.format}`;
+    await writeFile(path.join(folder, name), content.data);
     images.push(name);
   } else if (channel.topic === "/camera/camera_info") {
-    sizes.push([found.width, found.height]);
+    sizes.push([content.width, content.height]);
   }
 }
 if (read !== streamed) throw new Error(`${read} messages by the index, ${streamed} in the file`);

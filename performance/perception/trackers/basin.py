@@ -57,7 +57,7 @@ CONTENDERS = (
 )
 
 
-def found(contender: Contender, cases: Iterable[Displaced]) -> tuple[float, float]:
+def capture(contender: Contender, cases: Iterable[Displaced]) -> tuple[float, float]:
     """Return the share of targets found within WITHIN_PX [%], and the median CPU time [us]."""
     running, good, spent = tracker(contender), [], []
     for case in cases:
@@ -101,7 +101,7 @@ def basin_table() -> str:
     ]
     every = {sigma: tuple(displaced(sigma, each=EACH)) for sigma in SIGMAS_PX}
     for contender in available(CONTENDERS):
-        results = [found(contender, cases) for cases in every.values()]
+        results = [capture(contender, cases) for cases in every.values()]
         shares = " | ".join(f"{share:.0f} %" for share, _ in results)
         label = ", ".join(filter(None, (contender.label, contender.setup)))
         lines.append(f"| {label} | {shares} | {results[1][1]:.0f} |")

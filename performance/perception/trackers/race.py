@@ -108,12 +108,12 @@ def _turn(result: Result, running: Tracker, sequence: Sequence, indices: range) 
     Each image is written into the same memory, as by a camera. Errors are computed afterwards:
     between the images this would evict the trackers' code from the caches.
     """
-    found = []
+    answers = []
     image = np.empty_like(sequence.images[0])
     for k in indices:
         image[:] = sequence.images[k]
-        found.append((k, *timed(running, image)))
-    for k, corners, cpu_us in found:
+        answers.append((k, *timed(running, image)))
+    for k, corners, cpu_us in answers:
         target = transformed(sequence.start_corners(), corners, sequence.corners[0])
         error = rms_px(target, sequence.corners[k])
         result.cpu_us.append(cpu_us)

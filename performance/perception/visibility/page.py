@@ -77,29 +77,29 @@ The rules of the benchmark are in `sim/benchmarks/visibility_v1/definition.py`.
 
 def write(results: Mapping[str, Sequence[Measured]], docs: Path) -> None:
     """Write the page and its plot; groups without results are left empty."""
-    found = {name: {one["label"]: one for one in cases} for name, cases in results.items()}
-    ours = found.get("ours", {}) | found.get("opencv", {})
-    visp = found.get("visp", {}) | found.get("visp-slow", {})
+    groups = {name: {one["label"]: one for one in cases} for name, cases in results.items()}
+    ours = groups.get("ours", {}) | groups.get("opencv", {})
+    visp = groups.get("visp", {}) | groups.get("visp-slow", {})
     text = _PAGE.format(
         ours=markdown_table(HEAD, _rows(ours)),
         comparison="\n".join(_comparison(ours)),
         visp=markdown_table(HEAD, _rows(visp)),
         visp_level_s=SHORTEST_S,
         freedom=markdown_table(
-            ("criterion", "path", *WARPS), _freedom(ours, found.get("in-plane", {}))
+            ("criterion", "path", *WARPS), _freedom(ours, groups.get("in-plane", {}))
         ),
-        freedom_summary="\n".join(_freedom_summary(found.get("in-plane", {}))),
-        missing=_missing(found),
-        targets=markdown_table(("target", *ON_TARGETS), _targets(found.get("targets", {}), ours)),
+        freedom_summary="\n".join(_freedom_summary(groups.get("in-plane", {}))),
+        missing=_missing(groups),
+        targets=markdown_table(("target", *ON_TARGETS), _targets(groups.get("targets", {}), ours)),
     )
     (docs / "visibility.md").write_text(text, encoding="utf-8")
     _draw(ours | visp, docs / "figures" / "visibility.png")
 
 
-def _missing(found: Mapping[str, Mapping[str, Measured]]) -> str:
+def _missing(groups: Mapping[str, Mapping[str, Measured]]) -> str:
     """Return a paragraph that lists the cases without results; empty if there are none."""
     absent = {
-        group: [case.label for case in cases if case.label not in found.get(group, {})]
+        group: [case.label for case in cases if case.label not in groups.get(group, {})]
         for group, cases in GROUPS.items()
     }
     names = "; ".join(f"{group}: {', '.join(labels)}" for group, labels in absent.items() if labels)
@@ -114,9 +114,9 @@ def _tau(one: Measured | None) -> str:
     return f"{mean(scores):.2f} ({low:.2f} to {high:.2f})"
 
 
-def _rows(found: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
+def _rows(cases: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
     """Yield the rows, the highest τ50 first."""
-    for label, one in sorted(found.items(), key=lambda item: -mean(item[1]["scores"])):
+    for label, one in sorted(cases.items(), key=lambda item: -mean(item[1]["scores"])):
         overall = one["overall"]
         corner = overall["corner_px"]
         yield (
@@ -175,18 +175,18 @@ def _freedom_summary(plane: Mapping[str, Measured]) -> Iterable[str]:
         )
 
 
-def _targets(found: Mapping[str, Measured], ours: Mapping[str, Measured]) -> Iterable[list[str]]:
+def _targets(cases: Mapping[str, Measured], ours: Mapping[str, Measured]) -> Iterable[list[str]]:
     own = ("esm zncc homography", "esm ssd homography", "klt homography")
     yield ["lettered", *(_tau(ours.get(label)) for label in own)]
     for target in (*(name for name in TARGETS if name != "lettered"), "plain, margin 6"):
-        yield [target, *(_tau(found.get(f"{name} on {target}")) for name in ON_TARGETS)]
+        yield [target, *(_tau(cases.get(f"{name} on {target}")) for name in ON_TARGETS)]
 
 
-def _draw(found: Mapping[str, Measured], out: Path) -> None:
+def _draw(cases: Mapping[str, Measured], out: Path) -> None:
     """Draw p@5 over the optical depth."""
     with figure(out, height=4.5) as axes:
-        for number, label in enumerate(name for name in DRAWN if found.get(name, {}).get("p5")):
-            one = found[label]
+        for number, label in enumerate(name for name in DRAWN if cases.get(name, {}).get("p5")):
+            one = cases[label]
             depths = [k * STEP for k in range(len(one["p5"]))]
             style = "-" if label.startswith("esm") else "--"
             axes.plot(depths, one["p5"], style, color=f"C{number}", label=label, linewidth=1.8)

@@ -71,10 +71,10 @@ def fill(database: Database, people: int) -> None:
     with database.writing() as session:
         for statement in FILL:
             session.execute(text(statement), {"people": people, "name": NAME})
-        found = session.execute(select(Best.score, Best.standard_error, Best.degrees))
+        scores = session.execute(select(Best.score, Best.standard_error, Best.degrees))
         keys = (
             score_counts.key_of(Estimate(score=score, standard_error=error, degrees=degrees))
-            for score, error, degrees in found
+            for score, error, degrees in scores
         )
         score_counts.replace_all(session, Counter((NAME, key) for key in keys))
     with database.engine.begin() as connection:
@@ -106,7 +106,7 @@ def measure(session: Session, people: int) -> list[Row]:
         "number of people": lambda: score_counts.size(session, NAME),
     }
     window = wall_ms(lambda: session.execute(text(WINDOW), {"name": NAME}).all())
-    found = [
+    table = [
         Row(
             what=what,
             value=wall_ms(call),
@@ -122,7 +122,7 @@ def measure(session: Session, people: int) -> list[Row]:
         Estimate(score=own.score, standard_error=stored.standard_error, degrees=stored.degrees)
     )
     width = float((own.rank_high or 0) - (own.rank_low or 0))
-    found.append(
+    table.append(
         Row(
             what="ranks in a range, by classes of scores",
             value=width,
@@ -131,7 +131,7 @@ def measure(session: Session, people: int) -> list[Row]:
             baseline_value=float(exact[1] - exact[0]),
         )
     )
-    return found
+    return table
 
 
 def _exact(session: Session) -> Population:
@@ -154,9 +154,9 @@ def rows(people: int = PEOPLE, url: str = "") -> list[Row]:
         database = Database(url)
         fill(database, people)
         with database.reading() as session:
-            found = measure(session, people)
+            table = measure(session, people)
         database.close()
-    return found
+    return table
 
 
 def main(arguments: Sequence[str]) -> int:

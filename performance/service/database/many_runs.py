@@ -135,9 +135,9 @@ def measured(full: Callable[[], object], empty: Callable[[], object], repeats: i
 def lines(full: Service, empty: Service, repeats: int) -> Iterator[str]:
     """Measure a full service beside an empty one and yield the lines of a table."""
     slow: dict[str, object] = {}
-    found = addresses(full.app, run_id=full.run_id, half=full.half())
+    routes = addresses(full.app, run_id=full.run_id, half=full.half())
     with slow_queries(full.database.engine, slow):
-        for address in found:
+        for address in routes:
             figures = measured(
                 lambda a=address: full.get(a),  # type: ignore[misc]
                 lambda a=address: empty.get(a),  # type: ignore[misc]

@@ -122,9 +122,9 @@ def addresses(
 def pages(app: Flask, *, run_id: int, user: str, user_id: int) -> list[str]:
     """Return the addresses of all pages that a browser can open, in alphabetical order."""
     lists = ("/leaderboards/", "/runs/?")  # once each is enough for what they look like
-    found = {
+    paths = {
         path
         for path in addresses(app, run_id=run_id, half="", user=user, user_id=user_id)
         if not path.startswith((*_NOT_PAGES, *_ELSEWHERE)) and not path.endswith(_FILES)
     }
-    return sorted(path for path in found if not (path.startswith(lists) and "?" in path))
+    return sorted(path for path in paths if not (path.startswith(lists) and "?" in path))

@@ -75,8 +75,8 @@ class Servers(FakeQueue):
         """Return how many connections database and broker have beside those of this process."""
         query = "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database()"
         with self.database.reading() as session:
-            found: int = session.execute(text(query)).scalar_one()
-        return found - 1, len(self.redis.client_list()) - 1
+            to_database: int = session.execute(text(query)).scalar_one()
+        return to_database - 1, len(self.redis.client_list()) - 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ DEADLINE_S = 300.0  # of one run: the first start compiles the simulator
 
 def rows(runs: int = RUNS) -> list[Row]:
     """Measure built-in controllers and uploads on both deployments and return the rows."""
-    found: list[Row] = []
+    table: list[Row] = []
     for name in ("embedded", "production"):
         with ExitStack() as stack:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -57,8 +57,8 @@ def rows(runs: int = RUNS) -> list[Row]:
             else:
                 values["broker_url"] = stack.enter_context(valkey.on_socket())
             for kind, times in _times(Settings.model_validate(values), runs).items():
-                found += _rows(f"{name}, {kind}", times)
-    return found
+                table += _rows(f"{name}, {kind}", times)
+    return table
 
 
 def _times(settings: Settings, runs: int) -> dict[str, list[float]]:

@@ -83,7 +83,7 @@ def _compression(table: Rows) -> list[Row]:
 
 def _formats(table: Rows) -> list[Row]:
     """Measure each format in a process of its own, as the service writes it."""
-    found: list[Row] = []
+    results: list[Row] = []
     plain_s, _, _ = _alone("npz", table, RANKED_ROWS)
     plain_mb = measured("npz", table, len(table))[1]
     for name in FORMATS:
@@ -91,12 +91,12 @@ def _formats(table: Rows) -> list[Row]:
         megabytes = measured(name, table, len(table))[1]  # repeated rows compress too well
         _, _, longer = _alone(name, table, LONGER * RANKED_ROWS)
         memory = f"{name}: peak memory of a run {LONGER} times as long"
-        found += [
+        results += [
             _row(f"{name}: time", seconds, "s CPU", "as npz", plain_s),
             _row(f"{name}: size", megabytes, "MB", "as npz", plain_mb),
             _row(memory, longer, "MB with imports", "of a ranked run", peak),
         ]
-    return found
+    return results
 
 
 def _row(what: str, value: float, unit: str, baseline: str, other: float) -> Row:
@@ -112,8 +112,8 @@ def measured(name: str, table: Rows, count: int) -> tuple[float, float, float]:
     """Return CPU time [s], size [MB] and peak memory [MB] of writing a format in this process."""
 
     def read(start: int, stop: int) -> Rows:
-        found: Rows = table[np.arange(start, stop) % len(table)]
-        return found
+        part: Rows = table[np.arange(start, stop) % len(table)]
+        return part
 
     recording = Recording(
         title="a run",

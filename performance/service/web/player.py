@@ -72,9 +72,9 @@ def rows() -> list[Row]:
     with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as (url, settings):
         short, long = (recorded(settings, config) for config in (SHORT, LONG))
         with chromium() as browser:
-            found = _measured(browser, f"{url}/runs/{short}", f"{url}/runs/{long}")
-            found += [_live(browser), *_first_content(browser, url, f"/runs/{long}")]
-    return found
+            results = _measured(browser, f"{url}/runs/{short}", f"{url}/runs/{long}")
+            results += [_live(browser), *_first_content(browser, url, f"/runs/{long}")]
+    return results
 
 
 def _live(browser: Browser) -> Row:

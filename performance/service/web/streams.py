@@ -117,7 +117,7 @@ def _web_processes(pid: int) -> list[int]:
 
 def _below(pid: int) -> list[int]:
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return [found for child in map(int, children) for found in (child, *_below(child))]
+    return [process for child in map(int, children) for process in (child, *_below(child))]
 
 
 def _pss(pid: int) -> int:
@@ -130,7 +130,7 @@ def page_times_ms(port: int, paths: tuple[str, ...], token: str, seconds: float)
     """Return how long pages take [ms], requested one after the other on one connection."""
     connection = HTTPConnection("127.0.0.1", port, timeout=60)
     headers = {"Authorization": f"Bearer {token}"}
-    found = []
+    times_ms = []
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         for path in paths:
@@ -138,12 +138,12 @@ def page_times_ms(port: int, paths: tuple[str, ...], token: str, seconds: float)
             connection.request("GET", path, headers=headers)
             answer = connection.getresponse()
             answer.read()
-            found.append(1e3 * (time.perf_counter() - start))
+            times_ms.append(1e3 * (time.perf_counter() - start))
             if answer.status != 200:
                 raise RuntimeError(f"{path}: {answer.status}")
             time.sleep(PAUSE_S)
     connection.close()
-    return found
+    return times_ms
 
 
 @asynccontextmanager

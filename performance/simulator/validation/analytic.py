@@ -232,17 +232,17 @@ def cases(name: str) -> list[Case]:
 
 def section(names: list[str], _figures: Path) -> str:
     """Return the section's text."""
-    found = [case for name in names for case in cases(name)]
-    worst = max(found, key=lambda case: case.error_percent)
+    all_cases = [case for name in names for case in cases(name)]
+    worst = max(all_cases, key=lambda case: case.error_percent)
     rows = [
         (c.vehicle, c.what, f"{c.ours:.6g}", f"{c.expected:.6g}", c.unit, f"{c.error_percent:.5f}")
-        for c in found
+        for c in all_cases
     ]
     verdict = "All" if worst.error_percent <= LARGEST_ERROR_PERCENT else "**Not all**"
     return "\n\n".join(
         [
-            f"{verdict} {len(found)} errors are within {LARGEST_ERROR_PERCENT:g} %. The largest is "
-            f"{worst.error_percent:.3f} % ({worst.vehicle}, {worst.what}).",
+            f"{verdict} {len(all_cases)} errors are within {LARGEST_ERROR_PERCENT:g} %. The "
+            f"largest is {worst.error_percent:.3f} % ({worst.vehicle}, {worst.what}).",
             "Method: the plant of `sim/physics/plant.py` with the vehicle's own parameters and no "
             "random part. Each case simplifies the vehicle so that the closed form is exact: "
             "terminal speed, coasting, initial acceleration, drift and energy have neutral "

@@ -36,9 +36,9 @@ def biased_score(controller: str, bias_mm_s: float) -> float:
     return mean(scores)
 
 
-def _cell(found: dict[str, Any]) -> str:
-    low, high = found["score_low"], found["score_high"]
-    return f"{found['score']:.3g} ({low:.3g} to {high:.3g})"
+def _cell(summary: dict[str, Any]) -> str:
+    low, high = summary["score_low"], summary["score_high"]
+    return f"{summary['score']:.3g} ({low:.3g} to {high:.3g})"
 
 
 def section(_names: list[str], _figures: Path) -> str:

@@ -79,28 +79,28 @@ def differing_columns(first: Rows, second: Rows) -> list[str]:
 
 def outcomes(settings: Mapping[str, Mapping[str, str]] = SETTINGS) -> list[Outcome]:
     """Return the outcome of each process; the first is the reference for the others."""
-    found: list[Outcome] = []
+    processes: list[Outcome] = []
     first: Rows | None = None
     for what, variables in settings.items():
         with tempfile.TemporaryDirectory() as folder:
             rows = in_process(variables, Path(folder))
         first = rows if first is None else first
-        found.append(Outcome(what, digest(rows), differing_columns(first, rows)))
-    return found
+        processes.append(Outcome(what, digest(rows), differing_columns(first, rows)))
+    return processes
 
 
 def section(_names: list[str], _figures: Path) -> str:
     """Return the section's text."""
-    found = outcomes()
-    columns = sorted({name for entry in found for name in entry.differing})
+    processes = outcomes()
+    columns = sorted({name for entry in processes for name in entry.differing})
     verdict = (
-        f"All {len(found)} processes gave the same bytes in every telemetry column."
+        f"All {len(processes)} processes gave the same bytes in every telemetry column."
         if not columns
         else f"**These columns differ:** {', '.join(columns)}."
     )
     rows = [
         (entry.what, f"`{entry.digest[:16]}`", ", ".join(entry.differing) or "none")
-        for entry in found
+        for entry in processes
     ]
     return "\n\n".join(
         [

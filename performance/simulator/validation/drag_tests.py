@@ -97,7 +97,7 @@ def with_measured_pull(vehicle: Vehicle) -> Vehicle:
 def comparisons() -> list[Comparison]:
     """Return all comparisons of this section."""
     vehicle = load(VEHICLE)
-    found = [
+    quantities = [
         Comparison("top speed ahead", top_speed(vehicle), TOP_SPEED_M_S, "m/s", BLUEROV2),
         Comparison(
             "top speed ahead with the published bollard pull",
@@ -109,8 +109,8 @@ def comparisons() -> list[Comparison]:
     ]
     for name, (speed, force) in TANK.items():
         ours = drag(vehicle, AXES[name], speed)
-        found.append(Comparison(f"drag in {name} at {speed:g} m/s", ours, force, "N", LI))
-    return found
+        quantities.append(Comparison(f"drag in {name} at {speed:g} m/s", ours, force, "N", LI))
+    return quantities
 
 
 def draw(out: Path) -> None:
@@ -132,7 +132,7 @@ def draw(out: Path) -> None:
 def section(_names: list[str], figures: Path) -> str:
     """Return the section's text."""
     draw(figures / "bluerov2-drag.png")
-    vehicle, found = load(VEHICLE), comparisons()
+    vehicle, quantities = load(VEHICLE), comparisons()
     rows = [
         (
             f"{other.label} [{SOURCES.index(other.source) + 1}]",
@@ -145,11 +145,11 @@ def section(_names: list[str], figures: Path) -> str:
     surge = drag(vehicle, 0, speed)
     return "\n\n".join(
         [
-            f"The top speed agrees to {abs(found[0].error_percent):.0f} %, but only because two "
-            "errors compensate: our thrust is too strong and our drag too large. With the "
-            f"published bollard pull our vehicle reaches {found[1].ours:.2f} m/s "
-            f"({found[1].error_percent:+.0f} %).",
-            markdown_table(HEADER, [c.cells() for c in found]),
+            f"The top speed agrees to {abs(quantities[0].error_percent):.0f} %, but only because "
+            "two errors compensate: our thrust is too strong and our drag too large. With the "
+            f"published bollard pull our vehicle reaches {quantities[1].ours:.2f} m/s "
+            f"({quantities[1].error_percent:+.0f} %).",
+            markdown_table(HEADER, [c.cells() for c in quantities]),
             f"The tank's vehicle is {WIDTH_M * 1e3:g} mm wide, the Heavy {HEAVY_WIDTH_M * 1e3:g} "
             f"mm. Scaled by the width, the measured {force:g} N would be {wider:.0f} N and ours "
             f"still {100.0 * (surge / wider - 1.0):.0f} % larger. Our coefficients are those that "

@@ -76,7 +76,7 @@ def x_with_p(pair: Pair, speeds: tuple[float, ...]) -> str:
 def x_with_pi(pair: Pair, speeds: tuple[float, ...]) -> str:
     """Return finding 2."""
     levels = range(1, len(speeds))
-    found = [facts(pair.pi, level, "x") for level in levels]
+    of_levels = [facts(pair.pi, level, "x") for level in levels]
     at_40 = [error_after(pair.pi, level, PUBLISHED_RETURN_S) for level in levels]
     rows = [
         (
@@ -87,7 +87,7 @@ def x_with_pi(pair: Pair, speeds: tuple[float, ...]) -> str:
             ),
             signed(late),
         )
-        for level, f, late in zip(levels, found, at_40, strict=True)
+        for level, f, late in zip(levels, of_levels, at_40, strict=True)
     ]
     return "\n\n".join(
         [

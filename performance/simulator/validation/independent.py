@@ -67,14 +67,14 @@ def difference(name: str, *, force: bool) -> Difference:
 
 def section(names: list[str], _figures: Path) -> str:
     """Return the section's text."""
-    found = [difference(name, force=force) for name in names for force in (False, True)]
-    worst = max(entry.position_mm for entry in found)
+    differences = [difference(name, force=force) for name in names for force in (False, True)]
+    worst = max(entry.position_mm for entry in differences)
     rows = [
         (
             *(d.name, d.law, f"{d.travelled_m:.1f}", below(d.position_mm)),
             *(below(d.angle_rad), below(d.speed_mm_s)),
         )
-        for d in found
+        for d in differences
     ]
     header = ("vehicle", "current law", "moved m", "position mm", "angle rad", "speed mm/s")
     return "\n\n".join(

@@ -113,8 +113,8 @@ def text() -> str:
         for law in held
     }
     rows = [
-        (what, signed(found["p"], 2), signed(found["pi"], 2))
-        for what, found in (
+        (what, signed(offsets["p"], 2), signed(offsets["pi"], 2))
+        for what, offsets in (
             ("truth is the centre of the top face (ours)", held),
             ("truth is the projected origin of the box (`target_truth=uwsim`)", uwsim),
             ("as above, with the original scene's start and initial tracker rectangle", original),

@@ -29,17 +29,17 @@ MISSING = (
 
 def comparisons() -> list[Comparison]:
     """Return the comparisons of all sections, without those of zero, which have no ratio."""
-    found = [
+    quantities = [
         one for section in (thrust_tests, drag_tests, water_tests) for one in section.comparisons()
     ]
-    return [one for one in found if one.ours]
+    return [one for one in quantities if one.ours]
 
 
-def draw(found: list[Comparison], out: Path) -> None:
+def draw(quantities: list[Comparison], out: Path) -> None:
     """Write the figure: ours over measured for every quantity, on a logarithmic axis."""
-    with figure(out, height=0.3 * len(found) + 1.2) as axes:
-        ratios = [one.ours / one.measured for one in found]
-        rows = list(range(len(found)))[::-1]
+    with figure(out, height=0.3 * len(quantities) + 1.2) as axes:
+        ratios = [one.ours / one.measured for one in quantities]
+        rows = list(range(len(quantities)))[::-1]
         axes.hlines(rows, [1.0] * len(rows), ratios, color="0.7")
         axes.plot(ratios, rows, "o", color=COLOURS[1])
         axes.axvline(1.0, color="0.3", linewidth=1.0)
@@ -47,19 +47,19 @@ def draw(found: list[Comparison], out: Path) -> None:
         ticks = [0.1, 0.2, 0.5, 1.0, 2.0, 4.0]
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
-        axes.set_yticks(rows, [one.what for one in found])
+        axes.set_yticks(rows, [one.what for one in quantities])
         axes.set_xlabel("ours / measured")
 
 
 def section(_names: list[str], figures: Path) -> str:
     """Return the section's text."""
-    found = comparisons()
-    draw(found, figures / "validation.png")
-    close = sum(abs(one.error_percent) <= 20.0 for one in found)
+    quantities = comparisons()
+    draw(quantities, figures / "validation.png")
+    close = sum(abs(one.error_percent) <= 20.0 for one in quantities)
     sources = "\n".join(f"{at}. {source.text()}" for at, source in enumerate(SOURCES, start=1))
     return "\n\n".join(
         [
-            f"{close} of {len(found)} quantities are within 20 % of the measurement.",
+            f"{close} of {len(quantities)} quantities are within 20 % of the measurement.",
             "![Ours over measured, for every quantity](figures/validation.png)",
             "We could not compare:",
             "\n".join(f"- {entry}" for entry in MISSING),

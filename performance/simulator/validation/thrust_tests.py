@@ -60,7 +60,7 @@ def bollard_pull(vehicle: Vehicle, axis: int) -> float:
 def comparisons() -> list[Comparison]:
     """Return all comparisons of this section."""
     vehicle = load(VEHICLE)
-    found = [
+    quantities = [
         Comparison(
             f"T200 on the bench at {pulse} µs",
             bench_thrust(vehicle, pulse),
@@ -72,13 +72,13 @@ def comparisons() -> list[Comparison]:
     ]
     for name, kgf in BOLLARD_KGF.items():
         pull = bollard_pull(vehicle, AXES[name])
-        found.append(Comparison(f"bollard pull {name}", pull, KGF_N * kgf, "N", BLUEROV2))
+        quantities.append(Comparison(f"bollard pull {name}", pull, KGF_N * kgf, "N", BLUEROV2))
     upright = np.count_nonzero(full_commands(vehicle, AXES["vertical"]))
     each = bollard_pull(vehicle, AXES["vertical"]) / upright
     what = "bollard pull down, per vertical thruster"
-    found.append(Comparison(what, each, KGF_N * VERTICAL_KGF, "N", BLUEROV2))
-    found.append(Comparison("mass in air", vehicle.mass.scalar, MASS_KG, "kg", HEAVY))
-    return found
+    quantities.append(Comparison(what, each, KGF_N * VERTICAL_KGF, "N", BLUEROV2))
+    quantities.append(Comparison("mass in air", vehicle.mass.scalar, MASS_KG, "kg", HEAVY))
+    return quantities
 
 
 def draw(out: Path) -> None:
@@ -98,10 +98,10 @@ def draw(out: Path) -> None:
 def section(_names: list[str], figures: Path) -> str:
     """Return the section's text."""
     draw(figures / "t200.png")
-    found = comparisons()
-    partial = [c.error_percent for c in found if "1100" not in c.what and "1900" not in c.what]
+    quantities = comparisons()
+    partial = [c.error_percent for c in quantities if "1100" not in c.what and "1900" not in c.what]
     low = min(partial[:6])
-    pulls = [c.error_percent for c in found if c.what.startswith("bollard")]
+    pulls = [c.error_percent for c in quantities if c.what.startswith("bollard")]
     return "\n\n".join(
         [
             "At full command a single thruster agrees with the bench, because its limits are taken "
@@ -112,7 +112,7 @@ def section(_names: list[str], figures: Path) -> str:
             f"our bollard pulls are {min(pulls):.0f} to {max(pulls):.0f} % too strong. We do not "
             "model losses in the frame, between the thrusters and in the battery's voltage, or "
             "the loss of thrust with the speed of the inflow.",
-            markdown_table(HEADER, [c.cells() for c in found]),
+            markdown_table(HEADER, [c.cells() for c in quantities]),
             "![Thrust of a T200 over the pulse width](figures/t200.png)",
             "Method: full commands to every thruster that pushes along the axis, steady thrust "
             "after its lag, multiplied by the allocation matrix. The published pulls are those of "

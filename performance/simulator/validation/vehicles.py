@@ -29,12 +29,12 @@ def vehicle_text(vehicle: Vehicle) -> str:
     return f"{title}\n\n{vehicle.summary}\n\n{markdown_table(header, rows)}"
 
 
-def section(found: list[str], _figures: Path) -> str:
+def section(vehicles: list[str], _figures: Path) -> str:
     """Return the section's text."""
     tags = "; ".join(f"**{tag}** {meaning}" for tag, meaning in TAGS.items())
     return "\n\n".join(
         [
             f"Read from the files of `sim/vehicles`, as used by the simulator. Tags: {tags}.",
-            *(vehicle_text(load(name)) for name in found),
+            *(vehicle_text(load(name)) for name in vehicles),
         ]
     )

@@ -29,7 +29,7 @@ def turbulence_percent(name: str) -> float:
     Mean over the levels with a current and the trials.
     """
     entry = benchmark(name)
-    config, rows, found = entry.read({}), list[Rows](), []
+    config, rows, intensities = entry.read({}), list[Rows](), []
     for trial in range(TRIALS):
         rows.clear()
         program = BuiltIn("nothing", config.for_trial(trial))
@@ -39,8 +39,8 @@ def turbulence_percent(name: str) -> float:
         for level in np.unique(telemetry[:, INDEX["level"]]):
             mine = speed[telemetry[:, INDEX["level"]] == level]
             if mine.mean() > 0.0:
-                found.append(float(mine.std() / mine.mean()))
-    return 100.0 * float(np.mean(found))
+                intensities.append(float(mine.std() / mine.mean()))
+    return 100.0 * float(np.mean(intensities))
 
 
 def half_success_depth() -> float:
@@ -74,10 +74,10 @@ def dvl_bias_mm_s(name: str) -> float:
 
 def comparisons() -> list[Comparison]:
     """Return all comparisons of this section."""
-    found = []
+    quantities = []
     for name in BENCHMARKS:
         gusts = turbulence_percent(name)
-        found += [
+        quantities += [
             Comparison(
                 f"{name}: turbulence, of tidal channels", gusts, CHANNELS_PERCENT, "%", TIDE
             ),
@@ -86,12 +86,12 @@ def comparisons() -> list[Comparison]:
         ]
     depth = half_success_depth()
     what = "optical depth at which the target is lost"
-    return found + [Comparison(what, depth, limit, "", ZANEVELD) for limit in SIGHTING_DEPTHS]
+    return quantities + [Comparison(what, depth, limit, "", ZANEVELD) for limit in SIGHTING_DEPTHS]
 
 
 def section(_names: list[str], _figures: Path) -> str:
     """Return the section's text."""
-    found = comparisons()
+    quantities = comparisons()
     return "\n\n".join(
         [
             "The water of both benchmarks is calmer than measured tidal currents, and real water "
@@ -99,9 +99,9 @@ def section(_names: list[str], _figures: Path) -> str:
             "of `currents-v2` has several times the long-term accuracy that the manufacturer of a "
             "small DVL states, so there the benchmark is harder than reality. The default tracker "
             "loses "
-            f"the box at an optical depth of {found[-1].ours:.1f}; a diver loses a large black "
-            "target at 4.6 to 4.8.",
-            markdown_table(HEADER, [c.cells() for c in found]),
+            f"the box at an optical depth of {quantities[-1].ours:.1f}; a diver loses a large "
+            "black target at 4.6 to 4.8.",
+            markdown_table(HEADER, [c.cells() for c in quantities]),
             "These comparisons only show magnitudes, because the set-ups differ. Turbulence "
             "intensity "
             "is the standard deviation of the speed over its mean; ours includes the waves of the "

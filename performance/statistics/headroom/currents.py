@@ -192,8 +192,10 @@ def _block(benchmark: Benchmark) -> int:
 
 def known_entries() -> dict[str, Measured]:
     """Return what is stored of today's entries."""
-    found = stored(NAME)
-    return {name: Measured(**found[name]) for name in benchmark_of(NAME).baselines if name in found}
+    results = stored(NAME)
+    return {
+        name: Measured(**results[name]) for name in benchmark_of(NAME).baselines if name in results
+    }
 
 
 def main(arguments: Sequence[str]) -> int:

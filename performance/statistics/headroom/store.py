@@ -18,8 +18,8 @@ def stored(benchmark: str, *, file: Path = FILE) -> dict[str, dict[str, Any]]:
 def store(benchmark: str, entries: Mapping[str, Mapping[str, Any]], *, file: Path = FILE) -> None:
     """Replace all entries of a benchmark."""
     blocks = [
-        f"{json.dumps(name)}: {{\n{_lines(found)}\n}}"
-        for name, found in (_read(file) | {benchmark: entries}).items()
+        f"{json.dumps(name)}: {{\n{_lines(results)}\n}}"
+        for name, results in (_read(file) | {benchmark: entries}).items()
     ]
     file.write_text("{\n" + ",\n".join(blocks) + "\n}\n", "utf-8")
 
@@ -29,5 +29,5 @@ def _lines(entries: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _read(file: Path) -> dict[str, Mapping[str, Any]]:
-    found: dict[str, Mapping[str, Any]] = json.loads(file.read_text("utf-8"))
-    return found
+    by_benchmark: dict[str, Mapping[str, Any]] = json.loads(file.read_text("utf-8"))
+    return by_benchmark

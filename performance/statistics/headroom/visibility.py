@@ -107,27 +107,27 @@ def _playback(_config: Any) -> Playback:
 
 def entries() -> dict[str, Entry]:
     """Return the marks of the leaderboard, and what else is compared with them, by short names."""
-    found = {
+    by_name = {
         name: Entry(title=mark.title, config=dict(mark.config), make=_reference(mark.built_in))
         for name, mark in benchmark(NAME).baselines.items()
     }
     built_in = _reference("built-in")
-    found["playback"] = Entry(title="Playback of the reference trials", config={}, make=_playback)
-    found["remembers"] = Entry(
+    by_name["playback"] = Entry(title="Playback of the reference trials", config={}, make=_playback)
+    by_name["remembers"] = Entry(
         title="ZNCC, homography, remembers the path", config={}, make=_remembering
     )
-    found["kcf"] = Entry(title="KCF", config={"tracker": "kcf"}, make=built_in)
-    found["ssd-homography"] = Entry(
+    by_name["kcf"] = Entry(title="KCF", config={"tracker": "kcf"}, make=built_in)
+    by_name["ssd-homography"] = Entry(
         title="Template tracker, SSD, homography", config={"criterion": "ssd"}, make=built_in
     )
-    found["mi-srt"] = Entry(
+    by_name["mi-srt"] = Entry(
         title="Template tracker, MI, SRT", config={"criterion": "mi", "warp": "srt"}, make=built_in
     )
     if not declaration("visp").unavailable():
-        found["visp"] = Entry(
+        by_name["visp"] = Entry(
             title="ViSP, ZNCC, homography", config={"tracker": "visp"}, make=built_in
         )
-    return found
+    return by_name
 
 
 class _Job(NamedTuple):
@@ -185,25 +185,25 @@ def known_entries() -> dict[str, Measured]:
     return {key: Measured(**one) for key, one in stored(NAME).items()}
 
 
-def report(found: dict[str, Measured]) -> str:
+def report(results: dict[str, Measured]) -> str:
     """Return the table, lowest score first."""
     head = (
         *("entry", "mark", "reference", "other seeds", "better than the mark above"),
         *("τ midpoint", "motion px", "basin px", "admitted %", "false %", "unreported %"),
     )
-    steps, marks = mark_steps(found), benchmark(NAME).baselines
+    steps, marks = mark_steps(results), benchmark(NAME).baselines
     return markdown_table(
         head,
-        (_row(found[key], "yes" if key in marks else "", steps[key]) for key in ordered(found)),
+        (_row(results[key], "yes" if key in marks else "", steps[key]) for key in ordered(results)),
     )
 
 
-def ordered(found: dict[str, Measured]) -> list[str]:
+def ordered(results: dict[str, Measured]) -> list[str]:
     """Return the short names of the entries, lowest score first."""
-    return sorted(found, key=lambda key: found[key].other[0])
+    return sorted(results, key=lambda key: results[key].other[0])
 
 
-def mark_steps(found: dict[str, Measured]) -> dict[str, tuple[float, float] | None]:
+def mark_steps(results: dict[str, Measured]) -> dict[str, tuple[float, float] | None]:
     """Return for each entry by how much it is better than the next mark with a lower score.
 
     The 95 % interval of the mean difference on the same trials, none of them a reference trial;
@@ -211,11 +211,11 @@ def mark_steps(found: dict[str, Measured]) -> dict[str, tuple[float, float] | No
     """
     steps: dict[str, tuple[float, float] | None] = {}
     below: Measured | None = None
-    for key in ordered(found):
-        own = found[key].scores[REFERENCE_TRIALS:]
+    for key in ordered(results):
+        own = results[key].scores[REFERENCE_TRIALS:]
         steps[key] = paired_interval(own, below.scores[REFERENCE_TRIALS:]) if below else None
         if key in benchmark(NAME).baselines:
-            below = found[key]
+            below = results[key]
     return steps
 
 
@@ -238,9 +238,9 @@ def _number(value: float | None, digits: int) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def stability(found: dict[str, Measured]) -> str:
+def stability(results: dict[str, Measured]) -> str:
     """Return how much the order of the honest entries changes with the trials."""
-    honest = {key: one for key, one in found.items() if key not in ("playback", "remembers")}
+    honest = {key: one for key, one in results.items() if key not in ("playback", "remembers")}
     halves = [
         _order({key: one.scores[part] for key, one in honest.items()})
         for part in (
@@ -268,9 +268,9 @@ def _agreement(first: list[str], second: list[str]) -> float:
     return 100.0 * sum(place[a] < place[b] for a, b in pairs) / len(pairs)
 
 
-def draw_headroom(found: dict[str, Measured], out: Path) -> None:
+def draw_headroom(results: dict[str, Measured], out: Path) -> None:
     """Draw the scores with their intervals."""
-    entries = [found[key] for key in ordered(found)]
+    entries = [results[key] for key in ordered(results)]
     with figure(out, height=0.4 * len(entries) + 1.0) as axes:
         at = np.arange(len(entries))
         scores = [one.other[0] for one in entries]
@@ -284,15 +284,15 @@ def draw_headroom(found: dict[str, Measured], out: Path) -> None:
         axes.legend(loc="lower right")
 
 
-def draw_difficulty(found: dict[str, Measured], out: Path) -> None:
+def draw_difficulty(results: dict[str, Measured], out: Path) -> None:
     """Draw the share of success over the levels of each axis."""
-    shown = [key for key in DRAWN if key in found]
+    shown = [key for key in DRAWN if key in results]
     with figure(out, rows=len(AXES), height=10.0, share_x=False) as panels:
         for panel, (axis, label) in zip(panels, AXES.items(), strict=True):
             for number, key in enumerate(shown):
-                values, shares = zip(*found[key].success[axis], strict=True)
+                values, shares = zip(*results[key].success[axis], strict=True)
                 style = "-" if number % 2 else "--"
-                panel.plot(values, shares, style, marker=".", label=found[key].title)
+                panel.plot(values, shares, style, marker=".", label=results[key].title)
             panel.set_xlabel(label)
             panel.set_ylabel("p@1 [%]" if axis == "jump" else "p@5 [%]")
         panels[1].legend(fontsize=7, loc="center right")
@@ -327,9 +327,9 @@ def main(names: Sequence[str]) -> int:
             measured = measure(key, len(os.sched_getaffinity(0)))
             known = known_entries() | {key: measured}  # another process may have added some
             store(NAME, {name: asdict(one) for name, one in sorted(known.items())})
-    found = known_entries()
-    sys.stdout.write(f"{report(found)}\n\n{stability(found)}\n")
-    draw_headroom(found, FIGURES / "visibility-v2-headroom.png")
-    draw_difficulty(found, FIGURES / "visibility-v2-difficulty.png")
+    results = known_entries()
+    sys.stdout.write(f"{report(results)}\n\n{stability(results)}\n")
+    draw_headroom(results, FIGURES / "visibility-v2-headroom.png")
+    draw_difficulty(results, FIGURES / "visibility-v2-difficulty.png")
     draw_textures(FIGURES / "visibility-v2-textures.png")
     return 0

@@ -49,7 +49,7 @@ def files_of(data: bytes, name: str, *, limits: Limits) -> dict[str, bytes]:
         The archive breaks a rule; the text is for the user.
     """
     read = members_of_zip if name.lower().endswith((".zip", ".fmu")) else members_of_tar_gz
-    names, found = Names(limits.archive_files), dict[str, bytes]()
+    names, files = Names(limits.archive_files), dict[str, bytes]()
     try:
         for member in read(data, size_max=limits.source_kib << 10):
             name_inside = member.name.removeprefix("./")  # as `tar -c .` writes
@@ -58,12 +58,12 @@ def files_of(data: bytes, name: str, *, limits: Limits) -> dict[str, bytes]:
             path = names.add(name_inside, is_folder=member.content is None)
             if member.content is not None and not _dropped(path):
                 _refuse_nested(member)
-                found[path] = member.content
+                files[path] = member.content
     except NameRefused as reason:
         raise ArchiveRefused(str(reason)) from None
-    if not found:
+    if not files:
         raise ArchiveRefused("The archive contains no files.")
-    return _without_wrapper(dict(sorted(found.items())))
+    return _without_wrapper(dict(sorted(files.items())))
 
 
 def normal_form(files: Mapping[str, bytes], *, limits: Limits) -> bytes:
@@ -96,12 +96,12 @@ def _dropped(path: str) -> bool:
 
 def _refuse_nested(member: Member) -> None:
     content = member.content or b""
-    found = next((name for magic, name in NESTED.items() if content.startswith(magic)), None)
+    kind = next((name for magic, name in NESTED.items() if content.startswith(magic)), None)
     if content[_TAR_MAGIC] == b"ustar":
-        found = "tar"
-    if found is not None:
+        kind = "tar"
+    if kind is not None:
         raise ArchiveRefused(
-            f"{member.shown} is a nested archive ({found}). Unpack it first; store NumPy arrays as "
+            f"{member.shown} is a nested archive ({kind}). Unpack it first; store NumPy arrays as "
             ".npy instead of .npz."
         )
 

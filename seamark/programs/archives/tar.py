@@ -39,8 +39,8 @@ def _member(archive: tarfile.TarFile, entry: tarfile.TarInfo, limit: SizeLimit) 
     if entry.isdir():
         return Member(entry.name, None)
     if not entry.isreg() or entry.issparse():
-        found = _TYPES.get(entry.type, "of an unknown type")
-        raise ArchiveRefused(f"{shown(entry.name)} is {found}; only files and folders are allowed.")
+        kind = _TYPES.get(entry.type, "of an unknown type")
+        raise ArchiveRefused(f"{shown(entry.name)} is {kind}; only files and folders are allowed.")
     limit.add(entry.size)
     source = archive.extractfile(entry)
     content = b"" if source is None else source.read()

@@ -29,22 +29,22 @@ _FORM = (
 
 def read(source: bytes, filename: str) -> Declared:
     """Return what the comments of a text declare."""
-    found = Declared()
+    declarations = Declared()
     for number, line in enumerate(source.decode("utf-8", "replace").splitlines(), 1):
         if MARK not in line:
             continue
         match = _LINE.match(line[:_LINE_MAX])
         if match is not None:
-            _read_line(match[1].removesuffix("*/").rstrip(), found, Place(filename, number))
-    return found
+            _read_line(match[1].removesuffix("*/").rstrip(), declarations, Place(filename, number))
+    return declarations
 
 
-def _read_line(text: str, found: Declared, place: Place) -> None:
+def _read_line(text: str, declarations: Declared, place: Place) -> None:
     match = _DECLARATION.fullmatch(text)
     if match is None:
-        return found.refuse(place, _FORM)
+        return declarations.refuse(place, _FORM)
     low, high = match["low"], match["high"]
-    return found.add(
+    return declarations.add(
         place,
         match["name"],
         _default(match["default"]),

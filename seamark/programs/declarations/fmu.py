@@ -19,19 +19,19 @@ _WHOLE = ("Int8", "Int16", "Int32", "Int64", "UInt8", "UInt16", "UInt32", "UInt6
 
 def read(archive: bytes, filename: str) -> Declared:
     """Return the parameters of the model; nothing if it cannot be read, which the box reports."""
-    found = Declared()
+    declarations = Declared()
     try:
         model = description.read(archive)
         mapped = model.mapping().get("parameters", {})
     except (Unusable, ValueError):
-        return found
+        return declarations
     for variable in model.of("parameter"):
-        if variable.name in mapped or len(found.parameters) >= parameters.COUNT_MAX:
+        if variable.name in mapped or len(declarations.parameters) >= parameters.COUNT_MAX:
             continue
         one = _parameter(variable)
-        if one is not None and all(one.name != other.name for other in found.parameters):
-            found.parameters.append(one)
-    return found
+        if one is not None and all(one.name != other.name for other in declarations.parameters):
+            declarations.parameters.append(one)
+    return declarations
 
 
 def _parameter(variable: Variable) -> Parameter | None:

@@ -24,17 +24,17 @@ _FORM = (
 
 def read(source: bytes, filename: str) -> Declared:
     """Return what `PARAMETERS` declares; nothing if the file cannot be parsed."""
-    found = Declared()
+    declarations = Declared()
     if NAME.encode() not in source:  # so that other programs are not parsed a second time
-        return found
+        return declarations
     try:
         tree = ast.parse(source.decode("utf-8-sig"), filename=filename)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return found  # the linter has the message
+        return declarations  # the linter has the message
     for node in tree.body:
         if (value := _assigned(node)) is not None:
-            _read_literal(value, found, filename)
-    return found
+            _read_literal(value, declarations, filename)
+    return declarations
 
 
 def _assigned(node: ast.stmt) -> ast.expr | None:
@@ -49,9 +49,9 @@ def _assigned(node: ast.stmt) -> ast.expr | None:
     return node.value if named else None
 
 
-def _read_literal(value: ast.expr, found: Declared, file: str) -> None:
+def _read_literal(value: ast.expr, declarations: Declared, file: str) -> None:
     if not isinstance(value, ast.Dict):
-        return found.refuse(Place(file, value.lineno), _FORM)
+        return declarations.refuse(Place(file, value.lineno), _FORM)
     for key, part in zip(value.keys, value.values, strict=True):
         try:
             name = None if key is None else ast.literal_eval(key)
@@ -59,25 +59,25 @@ def _read_literal(value: ast.expr, found: Declared, file: str) -> None:
         except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
             name = None
         if not isinstance(name, str):
-            found.refuse(Place(file, part.lineno), _FORM)
+            declarations.refuse(Place(file, part.lineno), _FORM)
             continue
-        _add(found, Place(file, part.lineno), name, declared)
+        _add(declarations, Place(file, part.lineno), name, declared)
     return None
 
 
-def _add(found: Declared, place: Place, name: str, declared: object) -> None:
+def _add(declarations: Declared, place: Place, name: str, declared: object) -> None:
     if not isinstance(declared, dict):
-        return found.add(place, name, declared)
+        return declarations.add(place, name, declared)
     unknown = [str(key)[:40] for key in declared if key not in KEYS]
     if unknown or "default" not in declared:
         wrong = f"has no {unknown[0]}" if unknown else "needs a default"
         sentence = f"The parameter {name[:60]} {wrong}; it may have {', '.join(KEYS)}."
-        return found.refuse(place, sentence)
+        return declarations.refuse(place, sentence)
     span = declared.get("range", (None, None))
     if not _is_range(span):
         sentence = f"The range of {name[:60]} must be [lowest, highest], such as [0, 5]."
-        return found.refuse(place, sentence)
-    return found.add(
+        return declarations.refuse(place, sentence)
+    return declarations.add(
         place,
         name,
         declared["default"],

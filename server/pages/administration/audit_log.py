@@ -26,7 +26,7 @@ def show() -> ResponseReturnValue:
         listed = audit.page(session, AuditFilter(**kept), after=after)
     return render_template(
         "admin/audit.html",
-        found=listed,
+        log=listed,
         kept=kept,
         first=after is None,
         actions={action.value: action.label for action in AuditAction},

@@ -17,7 +17,7 @@ def show() -> ResponseReturnValue:
     held = services()
     with held.database.reading() as session:
         overview_now = service_overview.overview(session, held.settings)
-    return render_template("admin/overview.html", found=overview_now, links=_links())
+    return render_template("admin/overview.html", overview=overview_now, links=_links())
 
 
 def _links() -> dict[str, str]:

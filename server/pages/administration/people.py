@@ -33,13 +33,13 @@ def listed() -> ResponseReturnValue:
     )
     after = request.args.get("after", type=int)
     with services().database.reading() as session:
-        found = people.page(session, wanted, after=after)
+        accounts = people.page(session, wanted, after=after)
     kept = {
         name: request.args[name] for name in ("q", "role", "disabled") if request.args.get(name)
     }
     return render_template(
         "admin/users.html",
-        found=found,
+        accounts=accounts,
         wanted=wanted,
         kept=kept,
         first=after is None,
@@ -144,7 +144,7 @@ def _page(user_id: int, *, error: str = "", delete_error: str = "", link: str = 
         person = people.detail(session, _user(session, user_id), held.settings)
     return render_template(
         "admin/user.html",
-        found=person,
+        person=person,
         user=person.user,
         roles=_ROLES,
         role=Role[person.user.role.upper()],

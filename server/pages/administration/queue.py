@@ -20,7 +20,7 @@ def show() -> ResponseReturnValue:
     """Show the runs that start next, and those that are evaluated."""
     with services().database.reading() as session:
         live = live_runs.listed(session)
-    return render_template("admin/queue.html", found=live)
+    return render_template("admin/queue.html", live=live)
 
 
 @page.post("/cancel")

@@ -36,9 +36,9 @@ def listed() -> ResponseReturnValue:
     """List the rejudgements, newest first."""
     after = request.args.get("after", type=int)
     with services().database.reading() as session:
-        found, following = rejudgements.page(session, after=after)
+        views, following = rejudgements.page(session, after=after)
     return render_template(
-        "admin/rejudgements.html", found=found, next=following, first=after is None
+        "admin/rejudgements.html", views=views, next=following, first=after is None
     )
 
 

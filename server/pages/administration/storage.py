@@ -18,7 +18,7 @@ def show() -> ResponseReturnValue:
     held = services()
     with held.database.reading() as session:
         usage = disk.state(session, held.settings)
-    return render_template("admin/storage.html", found=usage, settings=held.settings)
+    return render_template("admin/storage.html", usage=usage, settings=held.settings)
 
 
 @page.post("/retention")

@@ -28,7 +28,7 @@ def index() -> ResponseReturnValue:
     with services().database.reading() as session:
         leaders = leaderboard.leaders_of(session, every, 1)
         people = score_counts.sizes(session)
-    found = [
+    entries = [
         {
             "benchmark": benchmark,
             "picture": has_picture(benchmark.name),
@@ -37,7 +37,7 @@ def index() -> ResponseReturnValue:
         }
         for benchmark in every
     ]
-    return render_template("benchmark/index.html", found=found)
+    return render_template("benchmark/index.html", entries=entries)
 
 
 @page.get("/<name>")

@@ -60,7 +60,7 @@ def show() -> ResponseReturnValue:
         "compare/show.html",
         runs=runs,
         benchmark=benchmark,
-        found=compared,
+        comparison=compared,
         settings=[row for row in compared.settings if row.name != DIGEST],
         programs=program_differences(runs),
         offered=offered if len(runs) < RUNS_MAX else {},

@@ -119,7 +119,7 @@ def limits_of(limits: Limits) -> Iterator[Limit]:
 
 def _tracker() -> dict[str, Any]:
     benchmark = next(
-        found for found in map(registry.benchmark, registry.BENCHMARKS) if found.role == "tracker"
+        each for each in map(registry.benchmark, registry.BENCHMARKS) if each.role == "tracker"
     )
     duration = benchmark.trial_duration_s(benchmark.read({}))
     return {
@@ -259,7 +259,7 @@ def search() -> ResponseReturnValue:
     """Show the sections of all pages that have the words of the query."""
     query = request.args.get("q", "").strip()[: search_index.QUERY_MAX]
     articles = _index().find(query)
-    return _rendered("docs/search.html", title="Search", here="", query=query, found=articles)
+    return _rendered("docs/search.html", title="Search", here="", query=query, articles=articles)
 
 
 @lru_cache(maxsize=1)

@@ -174,9 +174,9 @@ def _filters(labels: Labels, offered: Mapping[str, Collection[str]]) -> Labels:
     chosen = {name: [value] for name in FILTERS if (value := request.args.get(name))}
     values = {name: sorted({*offered.get(name, ()), *chosen.get(name, ())}) for name in labels}
     return {
-        name: {value: labels[name].get(value, value) for value in found}
-        for name, found in values.items()
-        if found
+        name: {value: labels[name].get(value, value) for value in choices}
+        for name, choices in values.items()
+        if choices
     }
 
 

@@ -134,7 +134,7 @@ def _so_far(
     names = [metric.name for metric in chart.metrics]
     by_level = groupby(measured, key=itemgetter(0))
     return {
-        level: {name: mean([found[name] for _, found in members]) for name in names}
+        level: {name: mean([values[name] for _, values in members]) for name in names}
         for level, group in by_level
         if (members := list(group))
     }

@@ -15,7 +15,7 @@ LOSSES_MAX = 200  # listed, the earliest ones
 
 
 @dataclass(slots=True)
-class _Found:
+class _Moments:
     levels: list[dict[str, Any]] = field(default_factory=list)
     losses: list[float] = field(default_factory=list)
     touches: list[float] = field(default_factory=list)
@@ -58,14 +58,14 @@ def moments(files: RunFiles, trial: int, error: str) -> dict[str, Any]:
     A loss is where the tracker begins to report that it has no target, in each level anew; a touch
     where the hull first meets the bottom or the target in a level.
     """
-    found = _Found()
+    events = _Moments()
     first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
     for start in range(first, after, BLOCK_ROWS):
-        found.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
-    largest = {"column": error, "t": found.error_t, "value": found.error}
+        events.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
+    largest = {"column": error, "t": events.error_t, "value": events.error}
     return {
-        "levels": found.levels,
-        "largest_error": largest if found.error_t is not None else None,
-        "losses": found.losses,
-        "touches": found.touches,
+        "levels": events.levels,
+        "largest_error": largest if events.error_t is not None else None,
+        "losses": events.losses,
+        "touches": events.touches,
     }

@@ -8,9 +8,9 @@
  * @returns {E}
  */
 export function need(root, selector, kind) {
-  const found = maybe(root, selector, kind);
-  if (!found) throw new Error(`The page has no ${selector}.`);
-  return found;
+  const element = maybe(root, selector, kind);
+  if (!element) throw new Error(`The page has no ${selector}.`);
+  return element;
 }
 
 /**
@@ -21,8 +21,8 @@ export function need(root, selector, kind) {
  * @returns {E | null}
  */
 export function maybe(root, selector, kind) {
-  const found = root.querySelector(selector);
-  return found instanceof kind ? found : null;
+  const element = root.querySelector(selector);
+  return element instanceof kind ? element : null;
 }
 
 /**
@@ -33,7 +33,7 @@ export function maybe(root, selector, kind) {
  * @returns {E[]}
  */
 export function all(root, selector, kind) {
-  return [...root.querySelectorAll(selector)].flatMap((found) => (found instanceof kind ? [found] : []));
+  return [...root.querySelectorAll(selector)].flatMap((element) => (element instanceof kind ? [element] : []));
 }
 
 /**
@@ -53,8 +53,8 @@ export function dataOf(id) {
  * @returns {E | null}
  */
 export function around(target, selector, kind) {
-  const found = target instanceof Element ? target.closest(selector) : null;
-  return found instanceof kind ? found : null;
+  const element = target instanceof Element ? target.closest(selector) : null;
+  return element instanceof kind ? element : null;
 }
 
 /**

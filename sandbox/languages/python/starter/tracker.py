@@ -77,8 +77,8 @@ class Tracker:
         variance = (views * views).mean(axis=1) - views.mean(axis=1) ** 2
         likeness = (views @ self.small) / np.sqrt(np.maximum(variance, 1e-9))
         best = np.unravel_index(likeness.argmax(), (2 * REACH + 1, 2 * REACH + 1))
-        found = np.array([column + best[1], row + best[0]])
-        return self.scale * (found - self.offset) - centre
+        position = np.array([column + best[1], row + best[0]])
+        return self.scale * (position - self.offset) - centre
 
 
 def normalised(patch):

@@ -2,7 +2,7 @@
 /**
  * @import { CompareData, ComparedSeries } from "../server_data.d.ts"
  * @import { Playhead } from "../player/playhead.js"
- * @import { Found } from "../player/scene_box.js"
+ * @import { Shown } from "../player/scene_box.js"
  * @import { Part } from "./cameras.js"
  */
 import { all, need } from "../dom.js";
@@ -52,13 +52,13 @@ export class Ghosts {
     const [followed, ...others] = this.runs.map((run) => this.moment(run));
     if (!followed) return;
     const { trial, t } = this.playhead;
-    this.scene.show({ trial, t }, followed.found, followed.trail, others);
+    this.scene.show({ trial, t }, followed.instant, followed.trail, others);
   }
 
   /**
    * Where the vehicle of a run is at the playhead, and its trail; null while that is unknown.
    * @param {{rows: Rows, part: Part | null}} run
-   * @returns {Found | null}
+   * @returns {Shown | null}
    */
   moment({ rows, part }) {
     if (!part) return null;
@@ -66,7 +66,7 @@ export class Ghosts {
     const { trial, start, length } = part;
     const t = start + Math.min(this.playhead.t, length);
     rows.want({ trial, t, speed, playing, following: false, newest: start + length });
-    const found = rows.at(trial, t);
-    return found && { found, trail: () => rows.before(trial, t, TRAIL_S * Math.max(speed, 1)) };
+    const instant = rows.at(trial, t);
+    return instant && { instant, trail: () => rows.before(trial, t, TRAIL_S * Math.max(speed, 1)) };
   }
 }

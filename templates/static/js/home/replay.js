@@ -28,10 +28,10 @@ let before = null;
 function show() {
   need(button, "[data-label]", HTMLElement).textContent = playhead.playing ? "Pause" : "Play";
   rows.want(playhead);
-  const found = rows.at(0, playhead.t);
-  if (!found) return;
+  const instant = rows.at(0, playhead.t);
+  if (!instant) return;
   clock.textContent = clockText(playhead.t);
-  scene.show(playhead, found, () => rows.before(0, playhead.t, 20 * SPEED));
+  scene.show(playhead, instant, () => rows.before(0, playhead.t, 20 * SPEED));
 }
 
 /** @param {number} now */

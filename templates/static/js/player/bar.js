@@ -108,14 +108,14 @@ export class Bar {
     if (wanted === "next-level") this.playhead.seek((Math.floor(t / length + 1e-6) + 1) * length);
     else if (wanted === "previous-level") this.playhead.seek(Math.max(Math.ceil(t / length - 1e-6) - 1, 0) * length);
     else {
-      const found = await this.moments();
-      const losses = found?.losses ?? [];
-      const touches = found?.touches ?? [];
+      const moments = await this.moments();
+      const losses = moments?.losses ?? [];
+      const touches = moments?.touches ?? [];
       /** @type {(times: number[]) => number | undefined} */
       const after = (times) => times.find((time) => time > t + this.step / 2) ?? times[0];
       /** @type {Record<string, number | undefined>} */
       const targets = {
-        error: found?.largest_error?.t,
+        error: moments?.largest_error?.t,
         "next-loss": after(losses),
         "first-loss": losses[0],
         touch: after(touches),

@@ -85,8 +85,8 @@ export class Charts {
 
   /** @param {string | undefined} unit */
   presets(unit) {
-    const found = this.data.charts.filter((chart) => chart.unit === unit);
-    return (found.length ? found : this.data.charts).slice(0, INITIAL);
+    const matching = this.data.charts.filter((chart) => chart.unit === unit);
+    return (matching.length ? matching : this.data.charts).slice(0, INITIAL);
   }
 
   /** @param {Chart[]} charts */

@@ -11,9 +11,9 @@ document.addEventListener("themechange", () => known.clear());
  * @returns {string}
  */
 export function colour(name) {
-  const found = known.get(name) ?? computed(name);
-  known.set(name, found);
-  return found;
+  const value = known.get(name) ?? computed(name);
+  known.set(name, value);
+  return value;
 }
 
 /**

@@ -19,7 +19,7 @@ export class Marks {
     this.legend = legend;
     this.api = api;
     this.duration = duration;
-    this.found = NONE;
+    this.moments = NONE;
     /** @type {number | null} */
     this.trial = null;
     this.asked = -Infinity;
@@ -37,10 +37,10 @@ export class Marks {
     this.trial = trial;
     const response = await fetch(`${this.api}/moments.json?trial=${trial}`);
     if (!response.ok || trial !== this.trial) return null;
-    this.found = await response.json();
+    this.moments = await response.json();
     this.draw();
-    this.onChange(this.found);
-    return this.found;
+    this.onChange(this.moments);
+    return this.moments;
   }
 
   /**
@@ -54,14 +54,14 @@ export class Marks {
   }
 
   clear() {
-    this.found = NONE;
+    this.moments = NONE;
     this.trial = null;
     this.draw();
     this.onChange(NONE);
   }
 
   draw() {
-    const { levels, losses, touches } = this.found;
+    const { levels, losses, touches } = this.moments;
     /** @type {(kind: string) => (t: number) => HTMLElement} */
     const mark = (kind) => (t) => {
       const made = document.createElement("i");

@@ -118,13 +118,13 @@ export class Player {
 
   show() {
     const { playhead } = this;
-    const found = this.rows.at(playhead.trial, playhead.t);
-    this.row = found?.row ?? null;
+    const instant = this.rows.at(playhead.trial, playhead.t);
+    this.row = instant?.row ?? null;
     this.write();
     this.charts.mark(playhead.t);
     if (playhead.newest > 0) this.showCamera();
-    if (found)
-      this.scene.show(playhead, found, () =>
+    if (instant)
+      this.scene.show(playhead, instant, () =>
         this.rows.before(playhead.trial, playhead.t, 20 * Math.max(playhead.speed, 1)),
       );
     this.writeTable();

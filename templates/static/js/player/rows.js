@@ -121,9 +121,9 @@ export class Rows {
   windowAt(trial, t) {
     /** @type {Window | null} */
     let best = null;
-    for (const found of this.windows.values()) {
-      const holds = found.trial === trial && found.from <= t + SAME_S && t <= found.from + found.length + SAME_S;
-      if (holds && found.t[0] <= t + SAME_S && (!best || found.length < best.length)) best = found;
+    for (const span of this.windows.values()) {
+      const holds = span.trial === trial && span.from <= t + SAME_S && t <= span.from + span.length + SAME_S;
+      if (holds && span.t[0] <= t + SAME_S && (!best || span.length < best.length)) best = span;
     }
     return best;
   }
@@ -136,22 +136,22 @@ export class Rows {
    * @returns {Between | null}
    */
   at(trial, t) {
-    const found = this.windowAt(trial, t);
-    if (found) return between(found.t, t, (index) => this.rowOf(found, index));
+    const span = this.windowAt(trial, t);
+    if (span) return between(span.t, t, (index) => this.rowOf(span, index));
     const { recent } = this;
     if (recent.trial !== trial || !recent.t.length || recent.t[0] > t) return null;
     return between(recent.t, t, (index) => recent.rows[index]);
   }
 
   /**
-   * @param {Window} found
+   * @param {Window} span
    * @param {number} index
    * @returns {Row}
    */
-  rowOf(found, index) {
+  rowOf(span, index) {
     /** @type {Row} */
-    const row = { t: found.t[index] };
-    for (const name of this.columns) row[name] = found.columns[name][index];
+    const row = { t: span.t[index] };
+    for (const name of this.columns) row[name] = span.columns[name][index];
     return row;
   }
 
@@ -165,11 +165,11 @@ export class Rows {
   before(trial, t, length) {
     /** @type {Row[]} */
     const rows = [];
-    const found = [...this.windows.values()].filter(
+    const spans = [...this.windows.values()].filter(
       (one) => one.trial === trial && one.from <= t && one.from + one.length > t - length,
     );
-    const finest = Math.min(...found.map((one) => one.length));
-    for (const one of found.filter((window) => window.length === finest).sort((a, b) => a.from - b.from)) {
+    const finest = Math.min(...spans.map((one) => one.length));
+    for (const one of spans.filter((window) => window.length === finest).sort((a, b) => a.from - b.from)) {
       one.t.forEach((time, index) => {
         const isNew = !rows.length || time > rows[rows.length - 1].t;
         if (!isNew || time > t + SAME_S || time <= t - length) return;

@@ -11,7 +11,7 @@ import { paced } from "./paced.js";
 const MODES = ["all", "follow", "target", "top", "camera", "free"];
 const WATER_MAX = 40; // scenes of levels kept
 
-/** @typedef {{found: Between, trail: () => Row[]}} Found what a scene shows of a run, and the rows before */
+/** @typedef {{instant: Between, trail: () => Row[]}} Shown what a scene shows of a run, and the rows before */
 
 export class SceneBox {
   /**
@@ -33,7 +33,7 @@ export class SceneBox {
     this.view = null;
     /** @type {(canvas: HTMLCanvasElement) => void} */
     this.onDraw = () => {};
-    /** @type {[{trial: number, t: number}, Between, () => Row[], (Found | null)[]] | null} */
+    /** @type {[{trial: number, t: number}, Between, () => Row[], (Shown | null)[]] | null} */
     this.last = null;
     /** @type {{trial: number, t: number} | null} */
     this.shownAt = null;
@@ -122,25 +122,25 @@ export class SceneBox {
   }
 
   /**
-   * found: {row, next, share} of the playhead; trail: () => the rows before it; ghosts: of each other run
-   * {found, trail}, or null where it has no telemetry
+   * instant: {row, next, share} of the playhead; trail: () => the rows before it; ghosts: of each other run
+   * {instant, trail}, or null where it has no telemetry
    * @param {{trial: number, t: number}} playhead
-   * @param {Between} found
+   * @param {Between} instant
    * @param {() => Row[]} trail
-   * @param {(Found | null)[]} [ghosts]
+   * @param {(Shown | null)[]} [ghosts]
    */
-  show(playhead, found, trail, ghosts = []) {
-    this.last = [playhead, found, trail, ghosts];
+  show(playhead, instant, trail, ghosts = []) {
+    this.last = [playhead, instant, trail, ghosts];
     if (!this.view) return;
     const { trial, t } = playhead;
-    this.useScene(this.view, trial, found.row.level ?? 0);
+    this.useScene(this.view, trial, instant.row.level ?? 0);
     const { shownAt } = this;
     const seconds = shownAt?.trial === trial ? Math.min(Math.max(t - shownAt.t, 0), 2) : 0;
     this.shownAt = { trial, t };
-    const moments = [{ found, trail }, ...ghosts];
+    const moments = [{ instant, trail }, ...ghosts];
     this.view.show(
       moments.map(
-        (moment) => moment && { pose: poseBetween(moment.found), row: moment.found.row, trail: moment.trail() },
+        (moment) => moment && { pose: poseBetween(moment.instant), row: moment.instant.row, trail: moment.trail() },
       ),
       seconds,
     );

@@ -259,9 +259,9 @@ async function mount(form, area) {
  * @returns {Problem[]}
  */
 function refusedLine(form) {
-  const found = document.getElementById("program-error")?.textContent?.match(/line (\d+): (.*)/s);
-  return found && form.elements.source.value === "editor"
-    ? [{ line: Number(found[1]), sentence: found[2], warning: false }]
+  const match = document.getElementById("program-error")?.textContent?.match(/line (\d+): (.*)/s);
+  return match && form.elements.source.value === "editor"
+    ? [{ line: Number(match[1]), sentence: match[2], warning: false }]
     : [];
 }
 

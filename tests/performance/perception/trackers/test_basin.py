@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from performance.perception.trackers.basin import ECC, FIRST, OURS, found, ratio
+from performance.perception.trackers.basin import ECC, FIRST, OURS, capture, ratio
 from performance.perception.trackers.contenders import Contender
 from performance.perception.trackers.photographs import TARGET_PX, displaced, turning
 from performance.perception.trackers.race import race
@@ -16,7 +16,7 @@ EACH = 6
 @pytest.mark.parametrize("sigma_px", [8.0, 11.0, 14.0])
 def test_the_convergence_basin_is_not_narrower_than_that_of_ecc(sigma_px: float) -> None:
     cases = tuple(displaced(sigma_px, each=EACH))
-    (ours, _), (first, _), (ecc, _) = (found(one, cases) for one in (OURS, FIRST, ECC))
+    (ours, _), (first, _), (ecc, _) = (capture(one, cases) for one in (OURS, FIRST, ECC))
 
     assert ours >= 1.05 * ecc
     assert ours >= 1.15 * first

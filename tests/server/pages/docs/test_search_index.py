@@ -9,7 +9,7 @@ from seamark.server.pages.docs.articles import article, code_block, sections_of
 from seamark.server.pages.docs.search_index import FOUND_MAX, SearchIndex
 from tests.server.pages.conftest import Site
 
-FOUND = re.compile(r'<ol class="docs-found">(.*?)</ol>', re.DOTALL)
+FOUND = re.compile(r'<ol class="docs-results">(.*?)</ol>', re.DOTALL)
 LINK = re.compile(r'<a href="([^"]+)"')
 TAGS = re.compile(r"<[^>]+>")
 ANSWERS = {  # question of a newcomer -> section that answers it

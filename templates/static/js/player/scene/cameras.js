@@ -91,8 +91,8 @@ export class Cameras {
    */
   frame(positions) {
     const points = [...positions.map(TO_SCREEN), this.target];
-    const low = points.reduce((found, point) => found.clone().min(point));
-    const high = points.reduce((found, point) => found.clone().max(point));
+    const low = points.reduce((corner, point) => corner.clone().min(point));
+    const high = points.reduce((corner, point) => corner.clone().max(point));
     const centre = low.add(high).multiplyScalar(0.5);
     const back = this.camera.position.clone().sub(this.controls.target).normalize();
     const right = new Vector3(0, 1, 0).cross(back).normalize();
