@@ -15,6 +15,7 @@ ALL = "all"
 TABLES = {
     "full_run": "simulator.full_run",
     "physics": "simulator.physics",
+    "multibody": "simulator.multibody",
     "gym": "simulator.gym",
     "start": "simulator.start",
     "growth": "simulator.growth",

@@ -18,8 +18,10 @@ from performance.simulator.validation import (
     facts,
     girona,
     independent,
+    links,
     summary,
     thrust_tests,
+    touch,
     vehicles,
     water_tests,
 )
@@ -48,7 +50,7 @@ PARTS = (
         "This part checks closed forms, an independent implementation, convergence, determinism "
         "and the published experiment, which was a simulation too, and whether the benchmarks "
         "measure what they should. Agreement here says nothing about real water.",
-        (analytic, convergence, independent, determinism, facts, girona, blind),
+        (analytic, convergence, independent, links, touch, determinism, facts, girona, blind),
     ),
     Part(
         "Parameters",

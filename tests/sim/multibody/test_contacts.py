@@ -55,23 +55,25 @@ class Scene:
     """A mechanism that moves."""
 
     def __init__(self, mechanism: Mechanism, *, iterations: int = 10) -> None:
+        self.mechanism = mechanism
         self.timing = Timing(STEP_S, iterations)
         self.model: Model = mechanism.model(STEP_S)
         self.state: State = state_for(self.model)
         self.work: Work = work_for(self.model)
         self.command: Command = command_for(self.model)
-        self.pairs = len(mechanism.pairs)
+        self.water = STILL
         self.steps = 0
 
     def run(self, steps: int) -> None:
         """Move on."""
         span = (self.steps, steps)
-        advance(span, self.timing, self.model, self.state, self.command, STILL, GROUND, self.work)
+        water, work = self.water, self.work
+        advance(span, self.timing, self.model, self.state, self.command, water, GROUND, work)
         self.steps += steps
 
     def pair_forces(self) -> Array:
         """The normal force of each pair now."""
-        out = np.empty(self.pairs)
+        out = np.empty(len(self.mechanism.pairs))
         write_pair_forces(self.timing, self.model, self.state, self.work, out)
         return out
 

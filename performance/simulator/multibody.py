@@ -1,0 +1,321 @@
+"""Vehicles with arms and contact: what creeps, and what a step costs, beside MuJoCo and PyBullet.
+
+All run the scenes of the tests in this process: rigid bodies without drag for MuJoCo (elliptic
+cone, impratio 10, noslip 5) and PyBullet, which know no 6x6 added mass. The last rows are a minute
+of a vehicle whose arm turns a valve in a current, alone and eight side by side.
+"""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from performance.simulator.multibody_judges import MUJOCO_OPTIONS, MuJoCo, PyBullet
+from performance.tables import aligned
+from seamark.sim.fleet.mechanisms import Mechanisms
+from seamark.sim.multibody.mechanism import Mechanism
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import LANES
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.hydrodynamics import write_rotation
+from tests.sim.multibody.scenes import GROUND, STEP_S, vehicle_with_arm
+from tests.sim.multibody.test_contacts import (
+    FRICTION,
+    WEIGHT_N,
+    Scene,
+    box_on_the_bottom,
+    gripper,
+    valve,
+)
+
+MINUTE = round(60.0 / STEP_S)
+PUSH_N = 0.95 * FRICTION * WEIGHT_N
+
+
+class Result(NamedTuple):
+    """What moved, [mm] or [rad], and the CPU time of a step [us]."""
+
+    moved: float
+    step_us: float
+
+
+class Compared(NamedTuple):
+    """One scene of the three; None for what cannot run it."""
+
+    what: str
+    goal: float
+    unit: str
+    ours: Result
+    mujoco: Result | None
+    bullet: Result | None
+
+
+def measured(run: Callable[[], None], place: Callable[[], Array], steps: int) -> Result:
+    """Run once, and return how far it has gone."""
+    before, start = place(), time.process_time()
+    run()
+    used = time.process_time() - start
+    return Result(float(np.abs(place() - before).max()), 1e6 * used / steps)
+
+
+def _ours(scene: Scene, steps: int, place: Callable[[Scene], Array]) -> Result:
+    return measured(lambda: scene.run(steps), lambda: place(scene).copy(), steps)
+
+
+def _mujoco(
+    mechanism: Mechanism, settle: int, steps: int, setting: Callable[[MuJoCo], None], size: slice
+) -> Result:
+    judge = MuJoCo(mechanism, STEP_S, MUJOCO_OPTIONS)
+    setting(judge)
+    judge.run(settle)
+    return measured(lambda: judge.run(steps), judge.data.qpos[size].copy, steps)
+
+
+def _in_mm(result: Result) -> Result:
+    return Result(1e3 * result.moved, result.step_us)
+
+
+def box(push_n: float) -> tuple[Result, Result, Result]:
+    """A box of 15 kg on the bottom, pushed or at rest."""
+    scene = box_on_the_bottom(push=True)
+    steps = MINUTE if push_n == 0.0 else 5000
+    where = scene.state.q[:3].copy()
+    scene.command.thrust[:] = push_n
+    ours = _ours(scene, steps, lambda scene: scene.state.q[:3])
+
+    def start(judge: MuJoCo) -> None:
+        judge.data.qpos[:3] = where
+        judge.run(500)
+        judge.data.xfrc_applied[1, 0] = push_n
+
+    mujoco = _mujoco(scene.mechanism, 0, steps, start, slice(0, 3))
+    bullet = PyBullet(scene.mechanism, STEP_S, WEIGHT_N / 15.0, {"box": where})
+    bullet.run(500)
+    push = ("box", np.array([push_n, 0.0, 0.0])) if push_n else None
+    theirs = measured(lambda: bullet.run(steps, push), lambda: bullet.position("box"), steps)
+    bullet.close()
+    return _in_mm(ours), _in_mm(mujoco), _in_mm(theirs)
+
+
+def bar() -> tuple[Result, Result, Result]:
+    """A bar of 15 N between two jaws that press with 40 N."""
+    scene = gripper(effort=40.0, bar_weight=15.0)
+    scene.run(500)
+    ours = _ours(scene, MINUTE, lambda scene: scene.state.q[:3])
+
+    def start(judge: MuJoCo) -> None:
+        judge.data.qpos[:3] = 0.0, 0.0, 5.0
+        judge.data.ctrl[:] = 0.2
+
+    mujoco = _mujoco(scene.mechanism, 500, MINUTE, start, slice(0, 3))
+    bullet = PyBullet(scene.mechanism, STEP_S, 7.5, {"bar": np.array([0.0, 0.0, 5.0])})
+    for jaw in ("left", "right"):
+        bullet.drive(jaw, 0.2, 40.0)
+    bullet.run(500)
+    theirs = measured(lambda: bullet.run(MINUTE), lambda: bullet.position("bar"), MINUTE)
+    bullet.close()
+    return _in_mm(ours), _in_mm(mujoco), _in_mm(theirs)
+
+
+def stuck_valve() -> tuple[Result, Result, Result]:
+    """A valve that breaks away at 5 N m, pushed with 3 N m."""
+    scene, steps = valve(3.0), MINUTE // 2
+    scene.run(500)
+    ours = _ours(scene, steps, lambda scene: scene.state.q[1:])
+
+    def start(judge: MuJoCo) -> None:
+        judge.data.ctrl[:] = 0.1
+
+    mujoco = _mujoco(scene.mechanism, 500, steps, start, slice(1, 2))
+    bullet = PyBullet(scene.mechanism, STEP_S, 0.0, {})
+    bullet.drive("pusher", 0.1, 15.0)
+    bullet.run(500)
+    theirs = measured(
+        lambda: bullet.run(steps), lambda: np.array([bullet.coordinate("valve")]), steps
+    )
+    bullet.close()
+    return ours, mujoco, theirs
+
+
+def resting_vehicle() -> Result:
+    """The yaw of a neutral vehicle with an arm at rest in still water."""
+    mechanism = vehicle_with_arm()
+    mechanism.links[0].net_weight -= sum(link.net_weight for link in mechanism.links)
+    scene = Scene(mechanism)
+    scene.state.q[2] = 5.0
+
+    def yaw(scene: Scene) -> Array:
+        rotation = np.empty((3, 3))
+        w, x, y, z = scene.state.q[3:7]
+        write_rotation(w, x, y, z, rotation)
+        return np.array([np.arctan2(rotation[1, 0], rotation[0, 0])])
+
+    scene.run(1)
+    return _ours(scene, MINUTE, yaw)
+
+
+class AtValve:
+    """A vehicle in a current that keeps its place and turns a valve of 3 N m by its wrist."""
+
+    EVERY = 25  # steps between two commands
+    STIFF = np.array([600.0, 600.0, 600.0, 60.0, 60.0, 60.0])
+    DAMPED = np.array([200.0, 200.0, 200.0, 15.0, 15.0, 20.0])
+    PER_S = 0.4  # of an error that stays
+    START = (0.055, 0.0, 5.0)
+    TURNS_S = (8.0, 15.0)
+
+    def __init__(self) -> None:
+        """Reach around the lever."""
+        mechanism = vehicle_with_arm(valve_torque=3.0)
+        mechanism.links[0].net_weight -= sum(link.net_weight for link in mechanism.links)
+        self.mechanism = mechanism
+        self.scene = Scene(mechanism)
+        self.q = self.scene.state.q
+        self.q[:3] = self.START
+        self.q[10], self.q[11], self.q[12] = 0.5 * np.pi, -0.3, 0.3
+        self.to_thrusts = np.linalg.pinv(mechanism.allocation)
+        self.stays = np.zeros(6)
+        self.touching = 0
+
+    def thrusts(self) -> Array:
+        """Return the thrusts that keep it at its place."""
+        rotation = np.empty((3, 3))
+        w, x, y, z = self.q[3:7]
+        write_rotation(w, x, y, z, rotation)
+        away = np.concatenate([rotation.T @ (self.q[:3] - self.START), 2.0 * self.q[4:7]])
+        self.stays += self.PER_S * self.EVERY * STEP_S * away
+        push = self.STIFF * (away + self.stays) + self.DAMPED * self.scene.state.v[:6]
+        made: Array = -self.to_thrusts @ push
+        return made
+
+    def speeds(self, t: float) -> Array:
+        """Return the speeds of the motors: the wrist turns for a while."""
+        first, last = self.TURNS_S
+        return np.array([0.0, 0.0, 0.0, 0.5 if first <= t < last else 0.0, 0.0])
+
+    def run(self, current: Current) -> float:
+        """Move for a minute and return the CPU time of the physics [s]."""
+        scene, used = self.scene, 0.0
+        scene.water = current.water
+        for k in range(MINUTE // self.EVERY):
+            scene.command.thrust[:] = self.thrusts()
+            scene.command.speed[:] = self.speeds(k * self.EVERY * STEP_S)
+            start = time.process_time()
+            scene.run(self.EVERY)
+            used += time.process_time() - start
+            self.touching += bool(scene.state.impulses.contact[:, 0].any())
+        return used
+
+
+def in_current(seed: int) -> Current:
+    """Return gusty water of 0.22 m/s."""
+    return Current(0.22, rng=np.random.Generator(np.random.PCG64(seed)), duration_s=60.0)
+
+
+def side_by_side() -> float:
+    """Return the CPU time of a minute of one of eight vehicles with the lanes in use [s]."""
+    tasks = [AtValve() for _ in range(LANES)]
+    currents = [in_current(seed) for seed in range(LANES)]
+    fleet = Mechanisms(
+        [task.scene.model for task in tasks], currents, GROUND, tasks[0].scene.timing
+    )
+    for i, task in enumerate(tasks):
+        fleet.place(i, task.scene.state)
+    used, every = 0.0, AtValve.EVERY
+    for k in range(MINUTE // every):
+        thrust = np.array([task.thrusts() for task in tasks])
+        speed = np.array([task.speeds(k * every * STEP_S) for task in tasks])
+        start = time.process_time()
+        fleet.advance(every, thrust, speed)
+        used += time.process_time() - start
+        for i, task in enumerate(tasks):
+            fleet.read(i, task.scene.state)
+    fleet.close()
+    return used / LANES
+
+
+def peers_minute(task: AtValve) -> float:
+    """Return MuJoCo's CPU time of a minute of the same mechanism in air, its wrist turning [s]."""
+    judge = MuJoCo(task.mechanism, STEP_S, MUJOCO_OPTIONS)
+    judge.data.qpos[: task.q.size] = task.q
+    start = time.process_time()
+    for k in range(MINUTE // task.EVERY):
+        judge.data.ctrl[:] = task.speeds(k * task.EVERY * STEP_S)
+        judge.run(task.EVERY)
+    return time.process_time() - start
+
+
+def compared() -> list[Compared]:
+    """Measure the scenes."""
+    return [
+        Compared("box at rest, 60 s", 0.01, "mm", *box(0.0)),
+        Compared("box pushed with 95 % of what friction holds, 10 s", 0.5, "mm", *box(PUSH_N)),
+        Compared("bar held by friction, 60 s", 0.1, "mm", *bar()),
+        Compared("stuck valve at 60 % of its torque, 30 s", 1e-4, "rad", *stuck_valve()),
+        Compared(
+            "vehicle with an arm in still water, yaw, 60 s",
+            1e-9,
+            "rad",
+            resting_vehicle(),
+            None,
+            None,
+        ),
+    ]
+
+
+def _moved(result: Result | None) -> str:
+    return "" if result is None else f"{result.moved:.1g}"
+
+
+def _ratio(ours: Result, other: Result | None) -> str:
+    return "" if other is None else f"{other.step_us / ours.step_us:.1f}"
+
+
+def table() -> str:
+    """Measure everything and return the table."""
+    side_by_side()  # compiles
+    alone = AtValve()
+    air = peers_minute(alone)
+    minute = alone.run(in_current(0))
+    lanes = side_by_side()
+    head = (
+        "moved",
+        "goal",
+        "unit",
+        "ours",
+        "MuJoCo",
+        "PyBullet",
+        "step us",
+        "MuJoCo's",
+        "PyBullet's",
+    )
+    lines = [
+        (
+            scene.what,
+            f"{scene.goal:g}",
+            scene.unit,
+            *map(_moved, (scene.ours, scene.mujoco, scene.bullet)),
+            f"{scene.ours.step_us:.2f}",
+            _ratio(scene.ours, scene.mujoco),
+            _ratio(scene.ours, scene.bullet),
+        )
+        for scene in compared()
+    ]
+    turned, touching = float(alone.q[-1]), alone.touching / (MINUTE // alone.EVERY)
+    shift = float(np.abs(alone.q[:3] - np.array(alone.START)).max())
+    return "\n".join(
+        [
+            aligned([head, *lines]),
+            "",
+            f"A minute at a valve of 3 N m in 0.22 m/s: turned {turned:.3f} rad, touching in "
+            f"{100.0 * touching:.0f} % of the time, {1e3 * shift:.0f} mm off its place at the end.",
+            aligned(
+                [
+                    ("CPU s", "goal", "ours", "MuJoCo in air", "times real time"),
+                    ("alone", "0.6", f"{minute:.3f}", f"{air:.3f}", f"{60.0 / minute:.0f}"),
+                    ("eight side by side, each", "0.15", f"{lanes:.3f}", "", f"{60.0 / lanes:.0f}"),
+                ]
+            ),
+        ]
+    )
