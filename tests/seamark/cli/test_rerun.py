@@ -121,6 +121,18 @@ def test_other_software_is_named_and_is_no_difference_if_the_numbers_are_the_sam
     assert report["software"][1].startswith("code of the simulator: aaaaaaaaaaaa… in the archive")
 
 
+def test_an_archive_from_when_pybullet_computed_contacts_says_so(
+    archive: Path, tmp_path: Path
+) -> None:
+    def older(text: str) -> str:
+        return json.dumps(json.loads(text) | {"contacts": "simulated"})
+
+    result = seamark("rerun", changed(archive, tmp_path, {"manifest.json": older}))
+
+    assert result.exit_code == 0
+    assert "computed by PyBullet in the archive, computed by Seamark here" in result.output
+
+
 @pytest.mark.host
 def test_a_program_in_the_archive_runs_in_the_box_and_gives_the_same_digest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
