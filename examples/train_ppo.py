@@ -131,7 +131,7 @@ def new_model(vehicles: int, level_s: float) -> PPO:
 
 
 def judged(model: PPO, level_s: float) -> float:
-    """Return the mean reward of a step without exploring, in water that no training meets.
+    """Return the mean reward of a step without exploring, in trials that no training meets.
 
     The first call also compiles the simulation, which takes minutes on some machines.
     """

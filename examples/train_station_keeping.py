@@ -3,7 +3,7 @@
     python examples/train_station_keeping.py
 
 The policy is linear: its features are error, integral of the error and velocity of each axis, and
-the heading. The cross-entropy method draws candidates, all of which meet the same water, and moves
+the heading. The cross-entropy method draws candidates, all of which run the same levels, and moves
 towards the best of them. Training uses true corners, so that no image is rendered;
 `seamark run` then evaluates with the benchmark's camera and tracker.
 """
@@ -53,7 +53,7 @@ class Policy:
 
 
 def returns(env: gymnasium.vector.VectorEnv, gains: np.ndarray, seed: int) -> np.ndarray:
-    """Return the mean reward of each candidate, (candidates,), over the same waters.
+    """Return the mean reward of each candidate, (candidates,), over the same levels.
 
     Every candidate runs each level with each of the two vehicles once; the n-th of them has the
     same seed, trial and level for all candidates.
@@ -94,7 +94,7 @@ def train(seconds: float, *, candidates: int, elite: int, settings: dict[str, ob
     while not curve or curve[-1][0] < seconds:
         drawn = mean + spread * random.standard_normal((candidates, len(mean)))
         drawn[0] = mean  # the candidate that would be the result
-        drawn[1] = start  # the published PI, to compare with in the same water
+        drawn[1] = start  # the published PI, to compare with on the same levels
         scores = returns(env, drawn, seed=iteration)
         best = drawn[np.argsort(scores)[-elite:]]
         mean, spread = np.abs(best).mean(axis=0), 0.8 * best.std(axis=0) + 0.2 * spread

@@ -34,7 +34,7 @@ REMOVED = {  # setting of an earlier version -> what holds now
 KEY_FILES = {"secret_key": "secret", "seed_key": "seed_key"}  # of the settings -> their files
 _WITHOUT = {
     "secret": "Delete it, and another one is drawn: everybody has to sign in again",
-    "seed_key": "It decides the water of ranked runs: write the key of this service into it, from "
+    "seed_key": "It decides the seeds of ranked runs: write the key of this service into it, from "
     "a backup or another machine. Delete it only where there have been no ranked runs",
 }
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
@@ -163,7 +163,7 @@ class Settings(BaseModel):
         ge=0,
         le=100,
         description="How many of the first entries of each leaderboard are verified "
-        "automatically: evaluated again in fresh water, after the runs of users",
+        "automatically: evaluated again on fresh trials, after the runs of users",
     )
     upload_max_bytes: int = Field(
         8 * 2**20, ge=1024, le=2**30, description="Maximum size of an upload"

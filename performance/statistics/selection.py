@@ -1,6 +1,6 @@
 """What the best of many submissions gains by luck, with the measured spread between trials.
 
-Each submission of a benchmark with fresh trials draws other water. Here the scores of its trials
+Each submission of a benchmark with fresh trials draws other seeds. Here the scores of its trials
 are drawn from a measured population (`population`), so all submissions are
 equally good and whatever the best of them gains is luck. Prints a table for each benchmark and
 writes docs/figures/selection.png.

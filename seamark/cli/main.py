@@ -21,7 +21,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "bridge": ("bridge:bridge", "Connect a ROS program or an autopilot to a run."),
     "replay": ("replay:replay", "Measure the log of a real mission."),
     "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
-    "tune": ("tune:tune", "Search for the best settings, and check them in fresh water."),
+    "tune": ("tune:tune", "Search for the best settings, and check them on fresh trials."),
     "submit": ("submit:submit", "Submit a run to a server."),
     "compare": ("compare:compare", "Compare results or runs of a server side by side."),
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),

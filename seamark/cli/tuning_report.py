@@ -74,7 +74,7 @@ class Report:
         """Return a context manager with the progress of the runs with the fresh seed."""
         from seamark.progress import Progress
 
-        self._validation = Progress("Fresh water", quiet=self._quiet)
+        self._validation = Progress("Fresh trials", quiet=self._quiet)
         bar: AbstractContextManager[Any] = self._validation
         return bar
 
@@ -184,7 +184,7 @@ class Report:
         if candidate.number == DEFAULTS:
             lines.append("No candidate was better than the defaults.")
         elif defaults is not None:
-            lines.append(f"Defaults in the same water: {defaults:.4g}")
+            lines.append(f"Defaults on the same trials: {defaults:.4g}")
         return lines
 
 
@@ -195,7 +195,7 @@ def _value(value: object) -> str:
 def _fresh(validation: Validation | None) -> list[str]:
     if validation is None:
         return []
-    lines = [f"Fresh water, {validation.trials} trials with seed {validation.seed}:"]
+    lines = [f"{validation.trials} fresh trials with seed {validation.seed}:"]
     if validation.best is not None and validation.defaults is not None:
         lines.append(f"  best {validation.best:.4g}, defaults {validation.defaults:.4g}")
     if validation.low is not None:

@@ -118,7 +118,7 @@ class ServerRuns:
         def show(run: AsyncRun) -> None:
             self._listener.progress(1.0 if run.ended else run.progress)
 
-        wanted = self._wanted(config, title="Tuning: fresh water", seed=seed, trials=trials)
+        wanted = self._wanted(config, title="Tuning: fresh trials", seed=seed, trials=trials)
         return self._runner.run(self._ended(wanted, show))
 
     async def _evaluate(self, order: Order) -> Evaluated:

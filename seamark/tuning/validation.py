@@ -36,13 +36,13 @@ class Validation:
     def sentence(self) -> str:
         """Return what the difference means."""
         if self.failure:
-            return f"A run in fresh water failed: {self.failure}"
+            return f"A run on fresh trials failed: {self.failure}"
         if self.low is None or self.high is None:
             return "Too few trials for an interval: give --validate more."
         if self.low > 0.0:
-            return "The tuned configuration is better than the defaults in water it has never met."
+            return "The tuned configuration is better than the defaults on trials it has never met."
         if self.high < 0.0:
-            return "The tuned configuration is worse than the defaults in water it has never met."
+            return "The tuned configuration is worse than the defaults on trials it has never met."
         return "The difference may be luck: its interval contains 0."
 
     def to_json(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ READ, SUBMIT, ADMIN = "read", "submit", "admin"
 SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
 GUESTS = "guest:"  # start of the owner of a guest's runs
 REJUDGEMENTS = "rejudgement:"  # of runs that compute others again
-VERIFICATIONS = f"{REJUDGEMENTS}verifications"  # of those that do so in fresh water
+VERIFICATIONS = f"{REJUDGEMENTS}verifications"  # of those that do so on fresh trials
 
 
 class Role(IntEnum):

@@ -17,7 +17,7 @@ class Publication(Base):
 
 
 class Verification(Base):
-    """A published run that the service evaluated again in fresh water."""
+    """A published run that the service evaluated again on fresh trials."""
 
     __tablename__ = "verifications"
 

@@ -25,7 +25,7 @@ class KeyOfSubmission(Base):
 
 
 class SeenSubmission(Base):
-    """A ranked submission whose fresh water somebody could see; kept for good.
+    """A ranked submission whose fresh trials somebody could see; kept for good.
 
     Neither run nor user is referred to by a key: the row outlives both.
     """

@@ -165,7 +165,7 @@ class Run(Base):
     anonymous: Mapped[bool] = mapped_column(default=False, server_default=false())  # while public
     program_public: Mapped[bool] = mapped_column(default=True, server_default=true())
     licence: Mapped[str | None] = mapped_column(String(40))  # SPDX, of the program
-    draw: Mapped[int | None]  # of fresh water for the same submission; NULL: the first
+    draw: Mapped[int | None]  # of fresh trials for the same submission; NULL: the first
     # [B] of its files and its program: an estimate from above until they are measured
     data_bytes: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     data_measured: Mapped[bool] = mapped_column(default=False, server_default=false())

@@ -16,7 +16,8 @@ def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json
     """Compare two to five results: settings that differ, scores, metrics with the best marked.
 
     A RESULT is the number of a run on a server, or a folder that `seamark run --out` wrote.
-    Differences of scores are to the first one. They are paired where trials are in the same water.
+    Differences of scores are to the first one. They are paired where trials have the same
+    conditions.
 
     \b
     Examples:

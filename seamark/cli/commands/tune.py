@@ -1,4 +1,4 @@
-"""`seamark tune`: search for the best gains of a controller, and check them in fresh water."""
+"""`seamark tune`: search for the best gains of a controller, and check them on fresh trials."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     type=click.IntRange(1, 100),
     default=4,
     show_default=True,
-    help="Trials of each candidate, the same water for all.",
+    help="Trials of each candidate, the same for all.",
 )
 @click.option(
     "--seed",
@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     type=click.IntRange(0, 100),
     default=24,
     show_default=True,
-    help="Trials of the best and of the defaults in fresh water; 0: none.",
+    help="Fresh trials of the best and of the defaults; 0: none.",
 )
 @configuration_options
 @click.option(
@@ -101,7 +101,7 @@ if TYPE_CHECKING:
 def tune(benchmark: str, **options: Any) -> None:
     """Search for the best settings of a controller or parameters of a program.
 
-    All candidates meet the same water. At the end the best and the defaults meet fresh water, which
+    All candidates run the same trials. At the end the best and the defaults run fresh trials, which
     shows whether the best is better or was lucky. Ctrl-C keeps what is there, and cancels runs on a
     server that have not ended; --resume goes on.
 

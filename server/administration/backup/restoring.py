@@ -146,7 +146,7 @@ def _require_key(settings: Settings, key: str) -> None:
     """Refuse a key of the environment that is not the one of the backup."""
     if _is_given(settings, "seed_key") and settings.seed_key != key:
         raise RestoreRefused(
-            "SEAMARK_SEED_KEY is not the key of the backup: ranked runs would meet other water. "
+            "SEAMARK_SEED_KEY is not the key of the backup: ranked runs would get other seeds. "
             "Set it to the key of the service that was backed up, or do not set it"
         )
 

@@ -72,7 +72,7 @@ def publish(path: RunPath) -> dict[str, Any]:
 
 @api.post("/runs/<int:run_id>/verify", responses={202: VerificationRequested})
 def verify(path: RunPath) -> Response:
-    """Have a published ranked run evaluated again in fresh water, behind the runs of all users.
+    """Have a published ranked run evaluated again on fresh trials, behind the runs of all users.
 
     Each version of Seamark verifies a run once for its owner; admins may ask for more.
     """

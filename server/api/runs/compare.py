@@ -76,7 +76,7 @@ class ScoreDifferenceResponse(ResponseModel):
     difference: float | None
     low: float | None = Field(description="of the 95 % interval")
     high: float | None
-    paired_trials: int = Field(description="trials in the same water; 0: independent trials")
+    paired_trials: int = Field(description="trials in the same conditions; 0: independent trials")
     sentence: str = Field(description="how the difference was computed, or why there is none")
 
 
@@ -117,7 +117,7 @@ class CompareResponse(ResponseModel):
 def compare(query: CompareQuery) -> Response:
     """Compare runs: the settings that differ, scores, metrics, and series on one axis. Has an ETag.
 
-    Differences of scores are paired where trials are in the same water: reference trials, or the
+    Differences of scores are paired where trials have the same conditions: reference trials, or the
     same seed in the same scenario.
     """
     ids = compared_runs.ids_of([query.runs])

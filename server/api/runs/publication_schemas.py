@@ -48,7 +48,7 @@ class VerificationRequested(ResponseModel):
 
 
 class VerificationResponse(ResponseModel):
-    """What came out when the service evaluated a published run again in fresh water."""
+    """What came out when the service evaluated a published run again on fresh trials."""
 
     outcome: Outcome = Field(description="Whether the score agrees with the published one")
     at: float

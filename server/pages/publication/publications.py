@@ -78,9 +78,9 @@ def reveal(run_id: int) -> ResponseReturnValue:
 
 @page.post("/runs/<row:run_id>/verify")
 def verify(run_id: int) -> ResponseReturnValue:
-    """Have a published ranked run evaluated again in fresh water."""
+    """Have a published ranked run evaluated again on fresh trials."""
     access.run_for(run_id, Action.VERIFY)
-    done = "The run will be evaluated again in fresh water, after the runs of users."
+    done = "The run will be evaluated again on fresh trials, after the runs of users."
     try:
         publication.verify(run_id)
     except VerificationRefused as refusal:

@@ -1,18 +1,18 @@
-"""The two parts of a ranked run as its page shows them: reference water and fresh water."""
+"""The two parts of a ranked run as its page shows them: reference trials and fresh trials."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 HIGHER = (
-    "Its 95 % interval lies above 0: this solution does better on the public reference water than "
-    "on water it has not seen before."
+    "Its 95 % interval lies above 0: this solution does better on the public reference trials "
+    "than on trials it has not seen before."
 )
 LOWER = (
-    "Its 95 % interval lies below 0: the public reference water was harder than the fresh water."
+    "Its 95 % interval lies below 0: the public reference trials were harder than the fresh ones."
 )
 NONE = (
-    "Its 95 % interval contains 0: nothing shows that this solution does better on water it "
+    "Its 95 % interval contains 0: nothing shows that this solution does better on trials it "
     "may have seen before."
 )
 

@@ -1,4 +1,4 @@
-"""The first result of a submission counts: its fresh water is known from then on.
+"""The first result of a submission counts: its fresh trials are known from then on.
 
 What reaches a program besides its bytes, such as the time of day, could tell it which of many
 stored variants fits that water. So a later run of the same submission ranks only with the same

@@ -201,4 +201,4 @@ def _verified(mark: VerificationView | None) -> str:
     if mark is None or mark.outcome is not Outcome.AGREES:
         return ""
     on = datetime.fromtimestamp(mark.at, UTC).date()
-    return f"Verified in fresh water on {on} by Seamark {mark.version}, digest {mark.digest}."
+    return f"Verified on fresh trials on {on} by Seamark {mark.version}, digest {mark.digest}."

@@ -42,7 +42,7 @@ class Claim(RunSpec):
     lease_s: float
     program_sha256: str | None
     user_id: int | None = None
-    draw: int | None = None  # of fresh water, if it verifies another run
+    draw: int | None = None  # of fresh trials, if it verifies another run
     trial_seeds: tuple[int, ...] | None = None  # of a ranked run; None: not filled in yet
     request_id: str | None = None  # that queued the run, for the log
 

@@ -56,7 +56,7 @@ def enqueue(
     Parameters
     ----------
     draw
-        Of other fresh water; None: that of the original.
+        Of other fresh trials; None: those of the original.
     """
     run = Run(
         owner=owner,

@@ -1,4 +1,4 @@
-"""Evaluating published ranked runs again in fresh water, to see whether their scores hold.
+"""Evaluating published ranked runs again on fresh trials, to see whether their scores hold.
 
 A verification is a hidden run (rejudged.py) with the program and the configuration of the published
 one and newly drawn fresh seeds. Their water is unknown beforehand and is not shown afterwards.
@@ -54,7 +54,7 @@ class Outcome(StrEnum):
 
     AGREES = "agrees"
     DIFFERS = "differs"
-    FAILED = "failed"  # the program failed in the fresh water
+    FAILED = "failed"  # the program failed on the fresh trials
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

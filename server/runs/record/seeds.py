@@ -62,7 +62,7 @@ class TrialSeeds:
     benchmark: str
     seed: int | None  # None: ranked
     submission: str  # digest of what was submitted
-    draw: int | None = None  # of fresh water for a verification; None: the submission's own
+    draw: int | None = None  # of fresh trials for a verification; None: the submission's own
     secret: bytes = field(repr=False)
 
     def __call__(self, trial: int) -> int:

@@ -1,4 +1,4 @@
-"""Comparison of ranked runs on the same water: the paired difference on their reference trials.
+"""Comparison of ranked runs, trial by trial: the paired difference on their reference trials.
 
 What the trials have in common cancels out, so that small differences show. It does not decide
 ranks, since reference trials are public and a solution could be fitted to them.

@@ -1,4 +1,4 @@
-"""How much the scores of two runs differ, paired where their trials are in the same water."""
+"""How much the scores of two runs differ, paired where their trials have the same conditions."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -92,7 +92,7 @@ def score_difference(run: ComparedRun, other: ComparedRun, seeds_of: SeedsOf) ->
 def paired_scores(
     run: ComparedRun, other: ComparedRun, seeds_of: SeedsOf
 ) -> tuple[list[float], list[float]]:
-    """Return the scores of the trials that two runs have in the same water; else none."""
+    """Return the scores of the trials that two runs have in the same conditions; else none."""
     if run.benchmark != other.benchmark or differing_scenario(run, other):
         return [], []
     own, its = _score_of_trial(run), _score_of_trial(other)
@@ -147,15 +147,15 @@ def _scores(run: ComparedRun) -> list[float]:
 
 def _pairs(trials: int, *, known: bool) -> str:
     if known:
-        return f"The runs are compared over {trials} trials in the same water."
+        return f"The runs are compared over {trials} trials in the same conditions."
     count = "one trial" if trials == 1 else f"{trials} trials"
-    return f"The runs share {count} in the same water, which is too few for an interval."
+    return f"The runs share {count} in the same conditions, which is too few for an interval."
 
 
 def _independent(run: ComparedRun, other: ComparedRun, *, known: bool) -> str:
     counts = f"{len(_scores(run))} and {len(_scores(other))} trials"
     method = "the interval is from Welch's t test" if known else "they are too few for an interval"
-    text = f"The runs have {counts} in different water; {method}."
+    text = f"The runs have {counts} in different conditions; {method}."
     if differing := differing_scenario(run, other):
         text += f" The scenarios differ as well: {', '.join(differing)}."
     return text

@@ -1,8 +1,8 @@
 """How many runs an owner may have at a time and per day, how much they may take on disk, and how
 much of that is used up.
 
-Ranked runs have a further limit in each benchmark: each of them is another draw of fresh water, and
-the best of many draws is a lucky one.
+Ranked runs have a further limit in each benchmark: each of them draws other fresh trials, and the
+best of many draws is a lucky one.
 """
 
 import math

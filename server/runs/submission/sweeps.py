@@ -1,6 +1,6 @@
 """Sweeps: one or two settings or parameters through several values, a run for each combination.
 
-All runs of a sweep have one seed, so that they meet the same water: their scores differ by what is
+All runs of a sweep have one seed, so that they run the same trials: their scores differ by what is
 swept alone. Cells are numbered row by row, the last axis changes fastest.
 """
 

@@ -13,7 +13,7 @@ SHORT = ("levels=0,0.3", "level_duration_s=4", "settle_s=1")
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the results `pi` and `p` of three trials in the same water."""
+    """A folder with the results `pi` and `p` of three trials in the same conditions."""
     folder = tmp_path_factory.mktemp("results")
     config = configuration_of("currents-v1", None, SHORT).model_dump(mode="json")
     for name in ("pi", "p"):

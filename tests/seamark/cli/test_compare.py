@@ -94,7 +94,7 @@ def test_folders_are_compared_as_their_runs_would_be_on_a_server(results: Path) 
     p, pi = (json.loads((results / name / "metrics.json").read_text()) for name in ("p", "pi"))
     (difference,) = document["scores"]
     assert "pi - p:" in tables.stdout
-    assert "compared over 3 trials in the same water." in tables.stdout
+    assert "compared over 3 trials in the same conditions." in tables.stdout
     assert difference["difference"] == pytest.approx(pi["score"] - p["score"])
     assert difference["low"] < difference["difference"] < difference["high"]
     assert "solution" in [row["name"] for row in document["settings"]]

@@ -1,4 +1,4 @@
-"""What a run records in fresh water is held back until somebody may see it."""
+"""What a run records on fresh trials is held back until somebody may see it."""
 
 from pathlib import Path
 

@@ -29,7 +29,7 @@ def test_two_runs_are_shown_with_what_differs(site: Site) -> None:
     assert "Compare 2 runs" in page
     assert "Settings that differ" in page
     assert (">0.4<" in page, ">0.6<" in page) == (True, True)
-    assert "in the same water" in page
+    assert "in the same conditions" in page
 
 
 def test_the_boxes_of_a_list_lead_to_the_one_address_of_a_comparison(site: Site) -> None:

@@ -110,10 +110,10 @@ def test_the_page_of_a_public_run_cites_it_and_its_owner_can_have_it_verified(si
     board = site.browser().get("/leaderboards/currents-v1").text
 
     assert "seamark-run" in before
-    assert "Verify in fresh water" in before
-    assert "Verify in fresh water" not in site.browser().get(f"/runs/{run_id}").text
+    assert "Verify on fresh trials" in before
+    assert "Verify on fresh trials" not in site.browser().get(f"/runs/{run_id}").text
     assert "is being verified" in pending
-    assert "Evaluated again in fresh water on" in after
+    assert "Evaluated again on fresh trials on" in after
     assert ">verified<" in after
     assert ">verified<" in board
     assert "<b>" not in after.partition("<main")[2].partition("cite-title")[2]

@@ -181,7 +181,7 @@ def test_page_and_api_publish_the_same_when_a_run_is_cancelled(site: Site, redis
 
 
 def _two_parts(gap: dict[str, float | None]) -> dict[str, Any]:
-    """Metrics of a ranked run on reference and fresh water."""
+    """Metrics of a ranked run on reference and fresh trials."""
     return {
         "score": 0.5,
         "score_low": 0.45,

@@ -16,7 +16,7 @@ DIGESTS = ("1" * 64, "2" * 64)
 
 
 def _ended(both: Backend, who: str, digest: str, program: StoredProgram, **changes: Any) -> int:
-    """A ranked run of a program on fresh water that ended."""
+    """A ranked run of a program on fresh trials that ended."""
     claim = both.running(who, benchmark=V2, kind="ranked", controller="upload", program=program)
     assert both.finish(claim, digest=digest, **changes)
     return claim.run_id

@@ -58,7 +58,7 @@ def test_scores_of_the_same_seed_are_compared_trial_by_trial(backend: Backend) -
     assert difference.paired_trials == 3
     assert difference.difference == pytest.approx(2.5)
     assert difference.low == pytest.approx(difference.high) == pytest.approx(2.5)
-    assert "same water" in difference.sentence
+    assert "same conditions" in difference.sentence
 
 
 def test_scores_of_other_seeds_are_independent(backend: Backend) -> None:
