@@ -221,10 +221,8 @@ class PyBullet:
 
     def position(self, link: str) -> Array:
         """Return where a free link is, (3,) [m]."""
-        found = pybullet.getBasePositionAndOrientation(
-            self.bodies[link], physicsClientId=self.world
-        )
-        return np.array(found[0])
+        pose = pybullet.getBasePositionAndOrientation(self.bodies[link], physicsClientId=self.world)
+        return np.array(pose[0])
 
     def coordinate(self, link: str) -> float:
         """Return the coordinate of a root link's joint."""

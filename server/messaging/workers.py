@@ -224,7 +224,7 @@ def waits_for_installation(session: Session, language: str, settings: Settings) 
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class ComponentVersions:
     """A component of boxes: each of its versions with the number of workers that have it."""
 
     kind: str
@@ -242,7 +242,7 @@ class Environment:
 
     language: str
     workers: int  # that run programs in it
-    components: Sequence[Found]
+    components: Sequence[ComponentVersions]
 
 
 def environments(session: Session) -> list[Environment]:
@@ -257,14 +257,16 @@ def environments(session: Session) -> list[Environment]:
     return merged
 
 
-def _merged(reports: Iterable[Sequence[Mapping[str, str]]]) -> list[Found]:
+def _merged(reports: Iterable[Sequence[Mapping[str, str]]]) -> list[ComponentVersions]:
     """Return the components of several workers, in the order of the first that has each."""
     versions = dict[tuple[str, str], Counter[str]]()
     for report in reports:
         for component in report:
             key = component["kind"], component["name"]
             versions.setdefault(key, Counter())[component["version"]] += 1
-    return [Found(kind, name, dict(counts)) for (kind, name), counts in versions.items()]
+    return [
+        ComponentVersions(kind, name, dict(counts)) for (kind, name), counts in versions.items()
+    ]
 
 
 def finding_of(language: str) -> str:

@@ -117,34 +117,34 @@ def jaw(iterations: int) -> Array:
 
 
 def _draw_friction(out: Path) -> tuple[float, float]:
-    found = [pushed(share) for share in SHARES]
+    motions = [pushed(share) for share in SHARES]
     limit = FRICTION * WEIGHT_N
     fine = np.linspace(0.0, 1.7, 100)
     with figure(out) as axes:
         axes.plot(fine, np.maximum(fine - 1.0, 0.0) * limit / MASS, color="0.5", label="Coulomb")
-        axes.plot(SHARES, [a for a, _ in found], "o", color=COLOURS[0], label="ours")
+        axes.plot(SHARES, [a for a, _ in motions], "o", color=COLOURS[0], label="ours")
         axes.set_xlabel("push over friction coefficient times weight")
         axes.set_ylabel("acceleration [m/s²]")
         axes.legend()
-    ways = [way for share, (_, way) in zip(SHARES, found, strict=True) if share < 1.0]
+    ways = [way for share, (_, way) in zip(SHARES, motions, strict=True) if share < 1.0]
     above = [
         abs(a / ((share - 1.0) * limit / MASS) - 1.0)
-        for share, (a, _) in zip(SHARES, found, strict=True)
+        for share, (a, _) in zip(SHARES, motions, strict=True)
         if share > 1.0
     ]
     return max(ways), max(above)
 
 
 def _draw_hook(out: Path) -> tuple[float, float]:
-    found = [lifted(weight) for weight in WEIGHTS_N]
+    lifts = [lifted(weight) for weight in WEIGHTS_N]
     with figure(out) as axes:
         axes.plot([0.0, 80.0], [0.0, 80.0], color="0.5", label="weight")
-        axes.plot(WEIGHTS_N, [one.force for one in found], "o", color=COLOURS[0], label="ours")
+        axes.plot(WEIGHTS_N, [one.force for one in lifts], "o", color=COLOURS[0], label="ours")
         axes.set_xlabel("weight of the load in water [N]")
         axes.set_ylabel("force at the hook's joint [N]")
         axes.legend()
-    errors = [abs(one.force - weight) for one, weight in zip(found, WEIGHTS_N, strict=True)]
-    return max(errors), max(one.moved_mm for one in found)
+    errors = [abs(one.force - weight) for one, weight in zip(lifts, WEIGHTS_N, strict=True)]
+    return max(errors), max(one.moved_mm for one in lifts)
 
 
 def _draw_peg(out: Path) -> tuple[int, int]:

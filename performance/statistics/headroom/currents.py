@@ -146,7 +146,7 @@ def _step(worse: Sequence[float], better: Sequence[float], block: int) -> str:
 def insert(path: Path, text: str) -> None:
     """Replace the table of a page that has the same first columns."""
     before = path.read_text("utf-8")
-    path.write_text(_TABLE.sub(lambda _found: f"{text}\n", before), "utf-8")
+    path.write_text(_TABLE.sub(lambda _match: f"{text}\n", before), "utf-8")
 
 
 def _plot_scores(

@@ -42,11 +42,11 @@ def _is_readable(run: RunView) -> bool:
 
 
 def _difference(run: RunView, other: RunView) -> ProgramDifference:
-    sentence, files = _found(run, other)
+    sentence, files = _comparison(run, other)
     return ProgramDifference(run=run.id, other=other.id, sentence=sentence, files=files)
 
 
-def _found(run: RunView, other: RunView) -> tuple[str, tuple[FileDifference, ...]]:
+def _comparison(run: RunView, other: RunView) -> tuple[str, tuple[FileDifference, ...]]:
     if run.program_sha256 == other.program_sha256:
         return "The programs are the same.", ()
     hidden = [each.id for each in (other, run) if not _is_readable(each)]

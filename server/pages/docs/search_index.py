@@ -17,7 +17,7 @@ from markupsafe import escape
 from seamark.server.pages.docs.articles import Section
 
 QUERY_MAX = 100
-FOUND_MAX = 20
+RESULTS_MAX = 20
 # Letters and digits, and what C++ and p@5 have.
 _WORD = re.compile(r"[\w+@]+")
 _PREFIX_FROM = 3  # letters of a word that also finds longer words
@@ -56,7 +56,7 @@ _SNIPPET = """
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class SearchResult:
     """A part of a page that has words of the query."""
 
     address: str
@@ -106,7 +106,7 @@ class SearchIndex:
             (row, address, title, one.heading, one.text),
         )
 
-    def find(self, query: str) -> list[Found]:
+    def find(self, query: str) -> list[SearchResult]:
         """Return the parts that answer a question or have its words, the best first.
 
         A word finds longer words that begin with it. Words such as "how" and "the" count only in a
@@ -121,7 +121,7 @@ class SearchIndex:
         with self._lock:
             best = self._best(patterns, pairs)
             every = " OR ".join(pattern for each in patterns for pattern, _weight in each)
-            return [self._found(row, every) for row in best[:FOUND_MAX]]
+            return [self._result(row, every) for row in best[:RESULTS_MAX]]
 
     def _best(self, patterns: list[list[tuple[str, float]]], pairs: list[str]) -> list[int]:
         scores: dict[int, float] = {}
@@ -166,10 +166,10 @@ class SearchIndex:
     def _matches(self, statement: str, column: str, pattern: str) -> dict[int, float]:
         return dict(self._database.execute(statement, (f"{{{column}}} : {pattern}",)).fetchall())
 
-    def _found(self, row: int, every: str) -> Found:
+    def _result(self, row: int, every: str) -> SearchResult:
         part = self._parts[row]
         (text,) = self._database.execute(_SNIPPET, (every, row)).fetchone()
-        return Found(part.address, part.page, part.heading, _marked(text))
+        return SearchResult(part.address, part.page, part.heading, _marked(text))
 
 
 def _patterns(word: str) -> Iterator[tuple[str, float]]:

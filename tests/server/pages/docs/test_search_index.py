@@ -6,7 +6,7 @@ from html import unescape
 import pytest
 
 from seamark.server.pages.docs.articles import article, code_block, sections_of
-from seamark.server.pages.docs.search_index import FOUND_MAX, SearchIndex
+from seamark.server.pages.docs.search_index import RESULTS_MAX, SearchIndex
 from tests.server.pages.conftest import Site
 
 FOUND = re.compile(r'<ol class="docs-results">(.*?)</ol>', re.DOTALL)
@@ -88,7 +88,7 @@ def test_sections_with_all_words_come_first_and_words_may_be_incomplete() -> Non
 def test_a_search_shows_no_more_than_its_limit() -> None:
     html = article("".join(f"<h2>Part {number}</h2><p>word</p>" for number in range(50)))
 
-    assert len(SearchIndex([("/page", "Page", sections_of(html))]).find("word")) == FOUND_MAX
+    assert len(SearchIndex([("/page", "Page", sections_of(html))]).find("word")) == RESULTS_MAX
 
 
 def test_code_is_coloured_without_a_change_of_its_text() -> None:
