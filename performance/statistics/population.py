@@ -17,7 +17,7 @@ from seamark.sim.engine.trial import run_trial
 
 FILE = Path(__file__).with_suffix(".json")
 TRIALS = 120
-FIRST_SEED = 5_000_000  # trial i has seed FIRST_SEED + i: fresh trials in every trial
+FIRST_SEED = 5_000_000  # trial i has seed FIRST_SEED + i: trials that nothing has seen
 
 
 def stored() -> dict[str, list[float]]:

@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     type=click.IntRange(0, 2**31 - 2),
     default=1,
     show_default=True,
-    help="Seed of the water and of the search.",
+    help="Seed of the trials and of the search.",
 )
 @click.option(
     "--validate",

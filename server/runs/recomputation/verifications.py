@@ -4,7 +4,7 @@ A verification is a hidden run (rejudged.py) with the program and the configurat
 one and newly drawn fresh seeds. Their water is unknown beforehand and is not shown afterwards.
 
 The scores agree unless they differ significantly: by Welch's t test at the level `ALPHA`, between
-the fresh trials of both. So 1 in 100 programs that are as good in new water as in that of their
+the fresh trials of both. So 1 in 100 programs that are as good on new trials as on those of their
 published run is marked as different by chance. docs/publishing.md explains it for users.
 
 A program must not be able to avoid a bad mark in either of two ways: by stopping the simulation
