@@ -2,10 +2,11 @@
 
 Adding a thing is one file or folder and one line here: its name and the path of its declaration as
 `pkgutil.resolve_name` reads it, module:attribute. The declaration has the label and the settings.
-It is light: it loads neither Numba nor OpenCV until a run needs its code. An entry that does not
-load stops the start (`load_all`).
+It is light: it loads neither Numba nor OpenCV until a run needs its code. A vehicle is a file of
+data alone, which is found. An entry that does not load stops the start (`load_all`).
 """
 
+from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
@@ -19,11 +20,16 @@ BENCHMARKS = {  # the current ones first
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
 DEFAULT_BENCHMARK = next(iter(BENCHMARKS))  # of the site, commands and logs, where none is named
-VEHICLES = {
-    "girona500": "seamark.sim.vehicles.girona500:VEHICLE",
-    "girona500-uwsim": "seamark.sim.vehicles.girona500_uwsim:VEHICLE",
-    "bluerov2-heavy": "seamark.sim.vehicles.bluerov2_heavy:VEHICLE",
-}
+_FIRST_VEHICLES = ("girona500", "girona500-uwsim", "bluerov2-heavy")  # others follow by name
+
+
+def _vehicles() -> dict[str, Path]:
+    """Return name -> file of the vehicles, in the order of forms."""
+    files = {path.stem: path for path in sorted(Path(__file__).parent.glob("vehicles/*.toml"))}
+    return {name: files[name] for name in _FIRST_VEHICLES} | files
+
+
+VEHICLES = _vehicles()
 CONTROLLERS = {
     "pi": "seamark.sim.control.position.pi:Controller",
     "p": "seamark.sim.control.position.p:Controller",
@@ -69,7 +75,9 @@ def controller_path(name: str) -> str:
 
 def load_all() -> None:
     """Load every entry and its code, so that a broken one stops the start and not a user's run."""
-    for path in (*VEHICLES.values(), *CONTROLLERS.values(), *REFERENCE_CONTROLLERS.values()):
+    for name in VEHICLES:
+        resolve_name("seamark.sim.vehicles:load")(name)
+    for path in (*CONTROLLERS.values(), *REFERENCE_CONTROLLERS.values()):
         resolve_name(path)
     for path in (*BENCHMARKS.values(), *TRACKERS.values()):
         resolve_name(path).load()

@@ -87,10 +87,11 @@ def manifest(
 
 @cache
 def code_sha256() -> str:
-    """Return one SHA-256 over names and contents of the simulator's source files."""
+    """Return one SHA-256 over names and contents of the simulator's source files and vehicles."""
     root = Path(__file__).parents[1]
+    files = [*root.rglob("*.py"), *root.glob("vehicles/*.toml")]
     total = hashlib.sha256()
-    for path in sorted(root.rglob("*.py"), key=lambda path: path.relative_to(root).as_posix()):
+    for path in sorted(files, key=lambda path: path.relative_to(root).as_posix()):
         total.update(path.relative_to(root).as_posix().encode() + b"\0")
         total.update(hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()

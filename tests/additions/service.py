@@ -12,8 +12,9 @@ from typing import Any
 
 from seamark.sim import registry
 
+THINGS = next(Path(folder) for folder in sys.path if Path(folder, "dory.toml").exists())
 registry.BENCHMARKS["harbour-v1"] = "harbour_v1.definition:BENCHMARK"
-registry.VEHICLES["dory"] = "dory:VEHICLE"
+registry.VEHICLES["dory"] = THINGS / "dory.toml"
 registry.TRACKERS["drifter"] = "drifter:TRACKER"
 registry.CONTROLLERS["ahead"] = "ahead:Controller"
 

@@ -31,19 +31,17 @@ BENCHMARK = replace(
 """,
 }
 VEHICLE = {
-    "dory.py": """
-from dataclasses import replace
+    "dory.toml": """
+format = 1
+name = "dory"
+title = "Dory with oars"
+summary = "A small boat below the water."
+extends = "bluerov2-heavy"
 
-from seamark.sim.vehicles.bluerov2_heavy import VEHICLE as BLUEROV
-from seamark.sim.vehicles.solids import WHITE, Solid
-
-VEHICLE = replace(
-    BLUEROV,
-    name="dory",
-    title="Dory with oars",
-    summary="A small boat below the water.",
-    solids=(Solid("capsule", (0.5, 0.2, 0.2), (0.0, 0.0, 0.0), WHITE),),
-)
+[drawing]
+solids = [
+  { shape = "capsule", size = [0.5, 0.2, 0.2], centre = [0, 0, 0], colour = "#e9f0f2" },
+]
 """,
 }
 TRACKER = {

@@ -19,8 +19,9 @@ from seamark.sim.vehicles import most_thrusters
 
 START = """
 import json, sys
+from pathlib import PosixPath
 from seamark.sim import registry
-registry.{table}["{name}"] = "{path}"
+registry.{table}["{name}"] = {path!r}
 
 from seamark.sim.benchmarks.metrics_documentation import markdown, metric_groups
 from seamark.sim.registry import benchmark
@@ -58,7 +59,7 @@ def added(tmp_path: Path) -> Added:
     def add(
         table: str,
         name: str,
-        path: str,
+        path: str | Path,
         files: Mapping[str, str],
         *,
         benchmark: str = "currents-v1",
@@ -237,29 +238,38 @@ def test_a_tracker_with_an_option_is_one_folder(added: Added) -> None:
 
 
 VEHICLE = """
-from dataclasses import replace
-
-from seamark.sim.vehicles.girona500 import VEHICLE as GIRONA
-
-SWAY = GIRONA.thrusters[-1]
-FURTHER = tuple(replace(SWAY, name=f"further {{i}}") for i in range({count} - 5))
-VEHICLE = replace(
-    GIRONA,
-    name="other",
-    title="Girona with {count} thrusters",
-    thrusters=(*GIRONA.thrusters, *FURTHER)[:{count}],
-)
+format = 1
+name = "other"
+title = "Girona with {count} thrusters"
+summary = "A further one."
+extends = "girona500"
 """
+THRUSTER = """
+[[thrusters]]
+name = "{name}"
+position = {{ value = [0.0, {y}, 0.0], unit = "m", tag = "E", reason = "a test" }}
+direction = {direction}
+"""
+FIVE = {"port": (-0.3, [1, 0, 0]), "starboard": (0.3, [1, 0, 0]), "bow": (0, [0, 0, 1]),
+        "stern": (0, [0, 0, 1]), "sway": (0, [0, 1, 0])}  # fmt: skip
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [6, 11])
-def test_a_vehicle_with_any_number_of_thrusters_is_one_file(added: Added, count: int) -> None:
+def test_a_vehicle_with_any_number_of_thrusters_is_one_file(
+    added: Added, tmp_path: Path, count: int
+) -> None:
+    further = {f"further {number}": FIVE["sway"] for number in range(count - 5)}
+    thrusters = [
+        THRUSTER.format(name=name, y=y, direction=direction)
+        for name, (y, direction) in {**FIVE, **further}.items()
+    ]
+
     result = added(
         "VEHICLES",
         "other",
-        "other:VEHICLE",
-        {"other.py": VEHICLE.format(count=count)},
+        tmp_path / "other.toml",
+        {"other.toml": VEHICLE.format(count=count) + "".join(thrusters)},
         settings={"vehicle": "other", "tracker": "truth", "fault_thruster": count - 1},
     )
 

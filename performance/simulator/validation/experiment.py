@@ -28,7 +28,7 @@ LAWS = {"p": "P (Kp 0.5)", "pi": "PI (Kp 0.5, Ki 0.02)"}
 
 
 class Planar(NamedTuple):
-    """Constants of one axis of the published plant (sources: sim/vehicles/girona500_uwsim.py)."""
+    """Constants of one axis of the published plant (sources: sim/vehicles/girona500-uwsim.toml)."""
 
     effort: float  # effort per m/s
     thrusters: int

@@ -1,0 +1,225 @@
+"""A vehicle's file: what is accepted, what each mistake is called, and hostile files."""
+
+import hashlib
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from seamark.sim.registry import VEHICLES
+from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles.fields import unit_of
+from seamark.sim.vehicles.reading import VehicleInvalid, read_vehicle
+from seamark.sim.vehicles.toml_reading import BYTES_MAX
+
+PLAIN = VEHICLES["bluerov2-heavy"].read_text("utf-8")
+EXTENDING = 'format = 1\nname = "mine"\ntitle = "Mine"\nsummary = "Mine."\nextends = "girona500"\n'
+QUICK_S = 5.0  # of CPU; the slowest takes a tenth
+
+# Of every number, name and text of a vehicle that released benchmarks use: it never changes.
+RELEASED = {
+    "girona500": "34bf907b0c33c165826b6132ebd5f68e8e00027440630e1afef21940c383b3ee",
+    "girona500-uwsim": "e1d1e710ddb3ad9ad9b93ed37b9f3abb686e9b62d769d67e7bbec19d7055327d",
+    "bluerov2-heavy": "210e395e4f1fc93e1b6d74030a48ba5ae5b8571ae9eb68a1e9373a5e632470b8",
+}
+
+
+def read(text: str | bytes) -> Vehicle:
+    return read_vehicle(text.encode() if isinstance(text, str) else text, base=load)
+
+
+def refused(text: str | bytes) -> str:
+    """Return what is said about a file that is refused, in bounded time."""
+    start = time.process_time()
+    with pytest.raises(VehicleInvalid) as found:
+        read(text)
+    assert time.process_time() - start < QUICK_S
+    assert all(len(sentence) < 1000 for sentence in found.value.errors)
+    assert len(found.value.errors) <= 21
+    return str(found.value)
+
+
+def changed(before: str, after: str) -> str:
+    assert before in PLAIN
+    return PLAIN.replace(before, after, 1)
+
+
+def content_of(value: Any) -> Any:
+    """Return a vehicle as JSON, as it was before quantities had a spread."""
+    match value:
+        case dict():
+            return {key: content_of(one) for key, one in value.items() if key != "spread"}
+        case list() | tuple():
+            return [content_of(one) for one in value]
+    return value
+
+
+@pytest.mark.parametrize("name", RELEASED)
+def test_a_vehicle_of_released_benchmarks_never_changes(name: str) -> None:
+    content = content_of(asdict(load(name)))
+
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False, indent=1)
+
+    assert hashlib.sha256(text.encode()).hexdigest() == RELEASED[name]
+
+
+def test_a_file_that_extends_a_vehicle_has_what_it_does_not_replace() -> None:
+    mine, base = read(f"{EXTENDING}[drawing]\nnozzle_radius_m = 0.2\n"), load("girona500")
+
+    assert mine.name == "mine"
+    assert mine.nozzle_radius_m == 0.2
+    assert list(mine.quantities()) == list(base.quantities())
+    assert mine.solids == base.solids
+
+
+def test_a_single_quantity_of_an_extended_vehicle_can_be_replaced() -> None:
+    mass = '[body]\nmass = { value = 150, unit = "kg", tag = "E", reason = "with a lamp" }\n'
+
+    mine, base = read(EXTENDING + mass), load("girona500")
+
+    assert (mine.mass.scalar, mine.mass.source) == (150.0, "with a lamp")
+    assert mine.inertia == base.inertia
+    assert mine.curve == base.curve
+
+
+def test_a_spread_is_read_for_each_number() -> None:
+    wide = changed(
+        'value = [141.0, 217.0, 190.0], unit = "N s²/m²"',
+        'value = [141.0, 217.0, 190.0], spread = [[18.0, 21.0, 36.0], [142.0, 218.0, 244.0]], '
+        'unit = "N s²/m²"',
+    )  # fmt: skip
+
+    spread = read(wide).drag_quadratic[0].spread
+
+    assert spread == ((18.0, 21.0, 36.0), (142.0, 218.0, 244.0))
+
+
+@pytest.mark.parametrize("written", ["kg m²", "kg m^2", "kg*m^2", "kg·m²", " kg  m**2 "])
+def test_units_may_be_written_with_a_keyboard(written: str) -> None:
+    assert unit_of(written) == "kg m²"
+
+
+MISTAKES = {
+    "unit": ('13.5, unit = "kg"', '13.5, unit = "g"', 'body.mass.unit must be "kg", not \'g\''),
+    "no unit": ('13.5, unit = "kg",', "13.5,", 'body.mass: unit is missing; write unit = "kg"'),
+    "tag": ('"kg", tag = "S"', '"kg", tag = "X"', "body.mass.tag says where the number is from"),
+    "tag of a list": ('"kg", tag = "S"', '"kg", tag = ["S"]', "body.mass.tag"),
+    "source": ('"kg", tag = "S", source = "tank"', '"kg", tag = "S", source = "lake"',
+               "body.mass.source: 'lake' is not in [sources]"),
+    "no source": ('"kg", tag = "S", source = "tank"', '"kg", tag = "S"',
+                  "body.mass: source is missing; tag S needs one"),
+    "no reason": ('"kg", tag = "S", source = "tank"', '"kg", tag = "E"',
+                  "body.mass: write a source from [sources], or a reason"),
+    "sign": ("mass = { value = 13.5", "mass = { value = -13.5", "must be above 0, not -13.5"),
+    "text": ("mass = { value = 13.5", 'mass = { value = "13.5"', "must be a number, not '13.5'"),
+    "boolean": ("mass = { value = 13.5", "mass = { value = true", "must be a number, not True"),
+    "infinite": ("mass = { value = 13.5", "mass = { value = inf", "must be a finite number"),
+    "not a number": ("mass = { value = 13.5", "mass = { value = nan", "must be a finite number"),
+    "huge": ("mass = { value = 13.5", f"mass = {{ value = {'9' * 1500}", "must be a finite"),
+    "missing": ("mass = { value", "masss = { value", "did you mean mass?"),
+    "count": ("[0.26, 0.23, 0.37]", "[0.26, 0.23]", "body.inertia.value must be a list of 3"),
+    "axes": ('axes = ["x", "y", "z"], value = [13.7, 0.0, 33.0]',
+             'axes = ["x", "z"], value = [13.7, 33.0]', "each once and in this order, not x, z"),
+    "mixed axes": ('axes = ["x", "y", "z"], value = [13.7', 'axes = ["x", "yaw"], value = [13.7',
+                   "axes must be a list of x, y, z, or of roll, pitch, yaw"),
+    "lag": ("lag = { value = 0.1", "lag = { value = 0.0", "thrust.lag.value must be above 0"),
+    "kind": ('kind = "quadratic"', 'kind = "cubic"', "one of quadratic, polynomial, not 'cubic'"),
+    "direction": ("direction = [0.0, 0.0, 1.0]", "direction = [0, 3, 4]", "[0.0, 0.6, 0.8]"),
+    "no direction": ("direction = [0.0, 0.0, 1.0]", "direction = [0, 0, 0]", "must not be zero"),
+    "name": ('name = "bluerov2-heavy"', 'name = "../etc/passwd"', "small letters, digits and"),
+    "twice": ('name = "front port"', 'name = "front starboard"', "'front starboard' is taken"),
+    "colour": ('"#20262b"', '"red;}"', "drawing.solids 5.colour must be # and six digits"),
+    "shape": ('"sphere"', '"torus"', "one of box, cylinder, capsule, sphere, not 'torus'"),
+    "default": ("tilt_hold = true", "tilt_hold = [1]", "defaults.tilt_hold must be a number"),
+    "default's name": ("tilt_hold = true", '"__class__" = true', "is not the name of a setting"),
+    "format": ("format = 1", "format = 2", "format must be 1"),
+    "control characters": ('title = "BlueROV2 Heavy"', 'title = "a\\u001b[2J"', "printable"),
+    "spread": ("mass = { value = 13.5", "mass = { spread = [14, 15], value = 13.5",
+               "body.mass.spread must enclose the value"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_a_sentence_with_its_key(mistake: str) -> None:
+    before, after, said = MISTAKES[mistake]
+
+    assert said in refused(changed(before, after))
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    text = changed('13.5, unit = "kg"', '13.5, unit = "g"').replace('"box"', '"cube"')
+
+    assert refused(text).count("must be") > 5
+
+
+@pytest.mark.parametrize("name", ["nothing", "../girona500", "/etc/passwd", "girona500.toml", "."])
+def test_a_file_extends_nothing_but_our_vehicles(name: str) -> None:
+    said = refused(EXTENDING.replace("girona500", name))
+
+    assert f"there is no vehicle called {name!r}" in said
+
+
+def test_vehicles_that_extend_each_other_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, base in (("one", "other"), ("other", "one")):
+        text = EXTENDING.replace("mine", name).replace("girona500", base)
+        tmp_path.joinpath(f"{name}.toml").write_text(text, encoding="utf-8")
+        monkeypatch.setitem(VEHICLES, name, tmp_path / f"{name}.toml")
+
+    with pytest.raises(VehicleInvalid, match="extends itself"):
+        load("one")
+
+
+def lines(line: Callable[[int], str], size: int = BYTES_MAX) -> str:
+    """Return as many lines as a file may have bytes."""
+    text = "\n".join(line(number) for number in range(size // len(line(0))))
+    return text[: text.rindex("\n", 0, size)]
+
+
+HOSTILE = {
+    "too large": b"#" * (BYTES_MAX + 1),
+    "a million entries": lines(lambda n: f"a{n}=1", 10_000_000),
+    "many entries": lines(lambda n: f"a{n}=1"),
+    "many tables": lines(lambda n: f"[a{n}]"),
+    "many lists of tables": lines(lambda n: f"[[thrusters]]#{n}"),
+    "many values": "a = [\n" + "1,\n" * 60_000 + "]",
+    "nested lists": "a = " + "[" * 900 + "]" * 900,
+    "nested lists in lines": "a = " + "[\n" * 50_000 + "]\n" * 50_000,
+    "nested tables": "a = " + "{b = " * 300 + "1" + "}" * 300,
+    "a long key": ".".join("a" * 900) + " = 1",
+    "a long header, many keys": "[" + ".".join("a" * 900) + "]\n" + lines(lambda n: f"b{n}=1"),
+    "a long key in a table": "a = {" + ".".join("a" * 900) + " = 1}",
+    "a long line": "a = " + "[1]," * 10_000,
+    "three quotes": 'a = """\n' * 20_000,
+    "open quotes": 'a = "' + "x" * 1000,
+    "a bracket in a text": 'a = "' + "[" * 1900 + '"',
+    "not UTF-8": b'title = "\xff\xfe"',
+    "a NUL": b"title = \x00",
+    "nothing": b"",
+    "a key twice": "format = 1\nformat = 1",
+    "a date": "format = 1979-05-27",
+    "hexadecimal": f"format = 0x{'f' * 1900}",
+    "lists for tables": "body = []\nthrust = 1\nthrusters = {}\nhull = [1]\nsources = 2\n",
+    "a long source": 'format = 1\n[sources]\n"' + "x" * 1900 + '" = "y"',
+}
+
+
+@pytest.mark.parametrize("attack", HOSTILE)
+def test_a_hostile_file_is_refused_in_bounded_time(attack: str) -> None:
+    assert refused(HOSTILE[attack])
+
+
+def test_a_bracket_in_a_text_or_comment_is_no_nesting() -> None:
+    title = 'title = "BlueROV2 Heavy"'
+
+    read(changed(title, f'{title[:-1]} {"[" * 50}" # {"[" * 50} "'))
+
+
+@pytest.mark.parametrize("name", VEHICLES)
+def test_a_file_is_called_as_its_vehicle(name: str) -> None:
+    assert VEHICLES[name].stem == load(name).name
