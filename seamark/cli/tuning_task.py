@@ -66,6 +66,7 @@ class TuningTask:
     program: PreparedProgram | None
     declared: tuple[Parameter, ...]  # by the program
     given: Mapping[str, Any]  # settings that all candidates share
+    files: dict[str, Any]  # of these, what was given as a file
     space: tuple[Dimension, ...]
     defaults: Mapping[str, Value]  # of what is tuned
 
@@ -101,7 +102,7 @@ class TuningTask:
         import tomli_w
 
         lines = f"# seamark run {self.benchmark.name} --controller {self.controller} --config ..."
-        text = f"{lines}\n{tomli_w.dumps(self._settings(values))}"
+        text = f"{lines}\n{tomli_w.dumps(self._settings(values) | self.files)}"
         with draft_of(self.options.out) as file:
             file.write(text.encode())
 
@@ -235,7 +236,7 @@ def task_of(name: str, options: Options) -> TuningTask:
     UsageRefused, ProgramFailed
         The options are wrong; the program would be refused.
     """
-    from seamark.cli.configuration import benchmark_of, read_settings, typed
+    from seamark.cli.configuration import benchmark_of, read_settings, typed, with_vehicle
     from seamark.cli.solutions import choose, prepare_valid
 
     if missing(PACKAGES):
@@ -246,7 +247,8 @@ def task_of(name: str, options: Options) -> TuningTask:
     declared: tuple[Parameter, ...] = ()
     if program is not None:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
-    given = typed(read_settings(options.config, options.pairs), benchmark.schema())
+    written = read_settings(options.config, options.pairs)
+    given = typed(written if options.server else with_vehicle(written), benchmark.schema())
     try:
         base = configurations.read(benchmark, given, declared).document()
     except ConfigurationInvalid as error:
@@ -262,6 +264,7 @@ def task_of(name: str, options: Options) -> TuningTask:
         program=program,
         declared=declared,
         given=given,
+        files={key: value for key, value in written.items() if key == "vehicle"},
         space=space,
         defaults={one.name: values[one.name] for one in space},
     )

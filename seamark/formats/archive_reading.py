@@ -24,6 +24,7 @@ from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
 from seamark.sim.recording.telemetry import Rows
+from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_BYTES
 
 FILES_MAX = 100  # in an archive
 DIRECTORY_BYTES = 64 * 1024  # of the list of them, which is read at once
@@ -38,6 +39,15 @@ Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 class ArchiveRefused(Exception):
     """It is not the archive of a run that can be computed again. The text is for the user."""
+
+
+class VehicleFile(BaseModel):
+    """The file of a user's own vehicle, and its SHA-256."""
+
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+
+    sha256: Sha256
+    text: str = Field(max_length=VEHICLE_BYTES)
 
 
 class Manifest(BaseModel):
@@ -59,6 +69,7 @@ class Manifest(BaseModel):
     contacts: str = Field(max_length=100)
     cpu: dict[str, str] = Field(default_factory=dict)
     same_bits_on_every_cpu: bool = True
+    vehicle_file: VehicleFile | None = None
 
     def trial_seeds(self) -> tuple[int, ...]:
         """Return the seed of each trial; raises ArchiveRefused if they are hidden."""

@@ -17,6 +17,7 @@ from seamark.sim.engine.program import Command
 from seamark.sim.engine.reward import goal, reward_of
 from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
+from seamark.sim.vehicles import own
 
 Observation = NDArray[Any]  # float64, or float32 if the environment is made so
 REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
@@ -89,7 +90,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         ----------
         settings
             Of the benchmark, such as `{"tracker": "truth", "vehicle": "girona500"}`; see
-            `seamark benchmarks NAME`.
+            `seamark benchmarks NAME`. The vehicle may be a file of your own, "my_rov.toml".
         action
             "velocity": what a controller returns; "thrusters": commands of the thrusters.
         dtype
@@ -100,8 +101,8 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
 
         Raises
         ------
-        ConfigurationInvalid
-            A setting is not valid.
+        ConfigurationInvalid, VehicleInvalid
+            A setting, or the file of a vehicle, is not valid.
         ValueError
             There is no such action, render mode or type of numbers.
         """
@@ -109,7 +110,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(settings or {})
+        config: Any = entry.read(own.resolved(settings or {}))
         self._config = config
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
         space = observation_space(config, dtype)

@@ -19,6 +19,7 @@ from seamark.sim.fleet.fleet import Fleet
 from seamark.sim.numerics.arrays import Flags
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.registry import TRUTH
+from seamark.sim.vehicles import own
 
 Array = NDArray[Any]  # float64, or float32 if the environment is made so
 Info = dict[str, Any]
@@ -59,8 +60,8 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
 
         Raises
         ------
-        ConfigurationInvalid
-            A setting is not valid.
+        ConfigurationInvalid, VehicleInvalid
+            A setting, or the file of a vehicle, is not valid.
         ValueError
             There is no such action, render mode or autoreset mode, or a setting needs the single
             environment.
@@ -70,7 +71,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(settings or {})
+        config: Any = entry.read(own.resolved(settings or {}))
         self._config, self.num_envs, self.render_mode = config, num_envs, render_mode
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
         self._mode = AutoresetMode(autoreset_mode)

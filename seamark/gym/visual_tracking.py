@@ -14,6 +14,7 @@ from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.metrics.tracking import FAR_PX
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.sim.trackers import Corners, Track, Window
+from seamark.sim.vehicles import own
 
 Observation = dict[str, Any]
 CORNERS = 8  # numbers of an action that are corners; the last one tells whether there is a target
@@ -63,8 +64,8 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
 
         Raises
         ------
-        ConfigurationInvalid
-            A setting is not valid.
+        ConfigurationInvalid, VehicleInvalid
+            A setting, or the file of a vehicle, is not valid.
         ValueError
             There is no such render mode, or the images depend on the tracker (mode free).
         """
@@ -72,7 +73,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(settings or {})
+        config: Any = entry.read(own.resolved(settings or {}))
         if getattr(config, "mode", "") == "free":
             raise ValueError("the environment needs a prescribed path: mode must not be free")
         self._config, self._experiment = config, entry.load()

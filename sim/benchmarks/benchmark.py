@@ -192,7 +192,8 @@ class Benchmark:
         """
         preset: dict[str, object] = {}
         for name, choices in self.presets.items():
-            preset |= choices.get(str(values.get(name)), {})
+            chosen = values.get(name)
+            preset |= choices.get(str(chosen), self.configuration.preset(name, chosen))
         return self.configuration.read({**preset, **values})
 
     def restore(self, values: Mapping[str, object]) -> Configuration:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from seamark.sim.recording import opencv
+from seamark.sim.vehicles import own
 
 FORMAT = 1
 LIBRARIES = (
@@ -64,13 +65,17 @@ def manifest(
     more
         Further entries, unchanged.
 
+    A run with a user's own vehicle has that vehicle's file (`vehicle_file`).
+
     An uploaded program may use BLAS, NumPy's vectorised functions or the C library's mathematics,
     which choose their code by the processor: `same_bits_on_every_cpu` is false for all uploads.
     """
+    configuration = config.model_dump(mode="json")
+    vehicle = own.file_of(configuration.get(own.SETTING))
     return {
         "format": FORMAT,
         "benchmark": benchmark,
-        "configuration": config.model_dump(mode="json"),
+        "configuration": configuration,
         "seed": seed,
         "seeds": None if seeds is None else list(seeds),
         "trials": trials,
@@ -82,6 +87,7 @@ def manifest(
         "contacts": contacts(config),
         "cpu": cpu_class(),
         "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
+        **({} if vehicle is None else {"vehicle_file": vehicle._asdict()}),
     } | more
 
 

@@ -63,9 +63,25 @@ class Configuration(BaseModel, ABC):
     @field_validator("*", mode="after")
     @classmethod
     def _within_choices_and_items(cls, value: object, info: ValidationInfo) -> object:
-        if is_outside(value, cls.model_fields[_name(info)]):
+        name = _name(info)
+        if is_outside(value, cls.model_fields[name]) and not cls.accepts(name, value):
             raise ValueError("not one of the allowed values")
         return value
+
+    @classmethod
+    def accepts(cls, name: str, value: object) -> bool:
+        """Return whether a setting may have a value that is not one of its choices; no, here."""
+        return False
+
+    @classmethod
+    def hint(cls, name: str, value: object) -> str:
+        """Return a sentence to add where a value is refused; none here."""
+        return ""
+
+    @classmethod
+    def preset(cls, name: str, value: object) -> Mapping[str, object]:
+        """Return settings that come with a value that is not one of the choices; none here."""
+        return {}
 
     @classmethod
     def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
@@ -218,7 +234,7 @@ def _message(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
     value = error["input"]
     shown = f"{value:g}" if isinstance(value, float) else repr(value)
     comma = _DECIMAL_COMMA.fullmatch(value) if isinstance(value, str) else None
-    hint = f" Use a decimal point: {comma[1]}.{comma[2]}." if comma else ""
+    hint = f" Use a decimal point: {comma[1]}.{comma[2]}." if comma else cls.hint(name, value)
     return f"{name} ({field.title}) must be {allowed_values(field)}, not {shown}.{hint}"
 
 

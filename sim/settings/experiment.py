@@ -3,6 +3,7 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
+from collections.abc import Mapping
 from functools import partial
 from importlib.util import find_spec
 
@@ -13,11 +14,15 @@ from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
-from seamark.sim.vehicles import load, most_thrusters
+from seamark.sim.vehicles import load, most_thrusters, own
 
 experiment_setting = partial(setting, group="Experiment", role="scenario")
 
 SMALLEST_SIDE_PX = 16.0  # [px] a tracker cannot be initialised on a smaller target
+OWN_VEHICLE = (
+    " A vehicle of your own runs on your computer, not on a server: seamark run BENCHMARK --set "
+    "vehicle=FILE.toml."
+)
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners remain a convex quadrilateral
 
 
@@ -120,6 +125,26 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         advanced=True,
     )
 
+    @classmethod
+    def accepts(cls, name: str, value: object) -> bool:
+        """Return whether a value is the vehicle of a user that this process has read."""
+        return name == own.SETTING and own.file_of(value) is not None
+
+    @classmethod
+    def hint(cls, name: str, value: object) -> str:
+        """Return where a vehicle's file can be used."""
+        if name != own.SETTING or not isinstance(value, str):
+            return ""
+        return OWN_VEHICLE if value.endswith(own.SUFFIX) or "@" in value else ""
+
+    @classmethod
+    def preset(cls, name: str, value: object) -> Mapping[str, object]:
+        """Return the defaults of a user's own vehicle, as far as this benchmark has them."""
+        if not cls.accepts(name, value):
+            return {}
+        defaults = load(str(value)).defaults
+        return {key: default for key, default in defaults.items() if key in cls.model_fields}
+
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
         errors: dict[str, str] = {}
@@ -213,7 +238,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def unused_columns(self) -> frozenset[str]:
         """Return the thrust columns that the vehicle does not use, and the contact force if off."""
         # A stored run may name one that no longer exists.
-        known = [name for name in self.vehicles() if name in VEHICLES]
+        known = [name for name in self.vehicles() if name in VEHICLES or own.file_of(name)]
         count = max((len(load(name).thrusters) for name in known), default=COMMON_THRUSTERS)
         idle = set(thrust_names(max(most_thrusters(), COMMON_THRUSTERS))[count:])
         return frozenset(idle if self.contact else idle | {"contact_n"})

@@ -30,9 +30,12 @@ __all__ = [
     "ThrustCurve",
     "Thruster",
     "Vehicle",
+    "added",
     "load",
     "most_thrusters",
 ]
+
+added: dict[str, Vehicle] = {}  # by users, to this process (`own`)
 
 
 def load(name: str) -> Vehicle:
@@ -41,9 +44,9 @@ def load(name: str) -> Vehicle:
     Raises
     ------
     LookupError
-        There is no such vehicle in the registry.
+        There is no such vehicle in the registry, and none was added.
     """
-    return _read(name, ())
+    return added[name] if name in added else _read(name, ())
 
 
 @cache

@@ -87,7 +87,8 @@ class Fields:
         entry = table.get(key)
         if not isinstance(entry, dict):
             example = f'{{ value = ..., unit = "{slot.unit}", tag = "E", reason = "..." }}'
-            self.wrong(f"{path}.{key} is missing or no table: write {key} = {example}.")
+            what = "missing" if entry is None else "no table"
+            self.wrong(f"{path}.{key} is {what}: write {key} = {example}.")
             value = (0.5,) * slot.counts[0]
             return Quantity(meaning=slot.meaning, value=value, unit=slot.unit, tag="E", source="")
         return self.read_quantity(f"{path}.{key}", entry, slot, more)
@@ -222,14 +223,16 @@ class Fields:
             return found
         if found is not None or required:
             name = f"{path}.{key}" if path else key
-            self.wrong(f"{name} is missing or no table: write a line [{name}], and its keys below.")
+            what = "missing" if found is None else "no table"
+            self.wrong(f"{name} is {what}: write a line [{name}], and its keys below.")
         return {}
 
     def tables(self, path: str, table: Table, key: str, most: int) -> list[Table]:
         """Return a list of 1 to `most` tables."""
         name, found = f"{path}.{key}" if path else key, table.get(key)
         if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-            self.wrong(f"{name} is missing or no list of tables.")
+            what = "missing" if found is None else "no list of tables"
+            self.wrong(f"{name} is {what}.")
             return []
         if not 1 <= len(found) <= most:
             self.wrong(f"{name}: there must be 1 to {most}, not {len(found)}.")

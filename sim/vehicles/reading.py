@@ -24,7 +24,7 @@ from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 FORMAT = 1
 THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX = 32, 64, 256, 50
-COEFFICIENTS_MAX = 12
+COEFFICIENTS_MAX = 6  # of the compiled curve
 _SETTING = re.compile(r"[a-z][a-z0-9_]{0,60}")
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 _TOP = (
@@ -174,10 +174,10 @@ class _Reader(Fields):
             slot = Slot(meaning.format(", ".join(given)), unit, count, low=0.0)
             found.append(self.read_quantity(f"{path} {at}", entry, slot, ("axes",)))
             axes += given
-        if axes != list(AXES):
+        if axes and axes != list(AXES):
             self.wrong(
                 f"{path} must have the axes {', '.join(AXES)}, each once and in this order, not "
-                f"{', '.join(axes) or 'none'}."
+                f"{', '.join(axes)}."
             )
         return tuple(found)
 

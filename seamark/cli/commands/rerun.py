@@ -12,7 +12,7 @@ from seamark.cli.options import json_option
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
-    from seamark.formats.archive_reading import ArchivedRun
+    from seamark.formats.archive_reading import ArchivedRun, Manifest
     from seamark.programs.preparation import PreparedProgram
     from seamark.sim.recording.telemetry import Rows
     from seamark.worker.ipc.outcomes import RunOutcome
@@ -50,6 +50,7 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
     from seamark.cli import rerun_comparison
 
     manifest = archived.manifest
+    _add_vehicle(manifest)
     program = _program(archived)
     content = None if program is None else program.content
     differences = rerun_comparison.of_inputs(archived, content)
@@ -72,6 +73,24 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
         "differences": [_printable(line) for line in differences],
         "software": [_printable(line) for line in software],
     }
+
+
+def _add_vehicle(manifest: Manifest) -> None:
+    """Make the user's own vehicle of a run known here; raises UsageRefused."""
+    from seamark.sim.vehicles import own
+    from seamark.sim.vehicles.reading import VehicleInvalid
+
+    if manifest.vehicle_file is None:
+        return
+    try:
+        name = own.add(manifest.vehicle_file.text.encode())
+    except VehicleInvalid as reason:
+        raise UsageRefused(f"The vehicle in the archive: {reason}") from None
+    if name != manifest.configuration.get(own.SETTING):
+        raise UsageRefused(
+            "The vehicle in the archive is another one than that of its configuration: the "
+            "archive was changed."
+        )
 
 
 def _program(archived: ArchivedRun) -> PreparedProgram | None:

@@ -17,6 +17,7 @@ from seamark.sim.vehicles import load
 
 BOTH = "both"
 ALTERNATING = ("girona500", "bluerov2-heavy")  # in even, in odd trials
+SINGLE = (*ALTERNATING, "bluerov2-heavy-v2")  # in all trials of a practice run
 HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", GROUP})
 HIDDEN = frozenset({"levels", "score"})
 
@@ -32,7 +33,7 @@ class CurrentsConfiguration(RobustTrackerSettings, StationKeepingSettings, Trial
         help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
         "defaults.",
         choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
-        | {name: load(name).title for name in ALTERNATING},
+        | {name: load(name).title for name in SINGLE},
     )
     levels: tuple[float, ...] = override(
         INHERITED["levels"],
