@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from performance.tables import markdown_table
-from seamark.sim.benchmarks.currents_v2.settings import ALTERNATING
+from seamark.sim.benchmarks.currents_v2.settings import SINGLE
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import Vehicle, load
@@ -45,7 +45,7 @@ def limit(vehicle: Vehicle, azimuth_rad: float) -> float:
 
 def table() -> str:
     """Return the table, in Markdown."""
-    vehicles = [load(name) for name in ALTERNATING]
+    vehicles = [load(name) for name in SINGLE]
     lines = [
         [f"{degrees}°", *(f"{limit(vehicle, np.radians(degrees)):.2f}" for vehicle in vehicles)]
         for degrees in DIRECTIONS_DEG

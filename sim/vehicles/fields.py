@@ -21,7 +21,7 @@ UNIT_VECTOR_ERROR = 1e-6
 LARGEST = 1e9  # of any number, in its unit
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 _SOURCE = re.compile(rf"[A-Za-z0-9_-]{{1,{NAME_MAX}}}")
-_QUANTITY = ("value", "unit", "tag", "source", "reason", "meaning", "spread")
+QUANTITY_KEYS = ("value", "unit", "tag", "source", "reason", "meaning", "spread")
 Table = Mapping[str, Any]
 
 
@@ -97,7 +97,7 @@ class Fields:
         self, path: str, entry: Table, slot: Slot, more: Collection[str] = ()
     ) -> Quantity:
         """Return the quantity of a table of its own."""
-        self.known(path, entry, (*_QUANTITY, *more))
+        self.known(path, entry, (*QUANTITY_KEYS, *more))
         value = self._values(f"{path}.value", entry.get("value"), slot)
         unit = entry.get("unit")
         if unit is None:

@@ -27,7 +27,7 @@ THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX = 32, 64, 256, 50
 COEFFICIENTS_MAX = 6  # of the compiled curve
 _SETTING = re.compile(r"[a-z][a-z0-9_]{0,60}")
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
-_TOP = (
+TOP_KEYS = (
     *("format", "name", "title", "summary", "extends", "sources", "body", "thrust", "thrusters"),
     *("hull", "drawing", "defaults"),
 )
@@ -60,6 +60,8 @@ _GROUPS = {
     "drag_linear": (("linear drag {}", "N s/m"), ("linear drag {}", "N m s")),
     "drag_quadratic": (("quadratic drag {}", "N s²/m²"), ("quadratic drag {}", "N m s²")),
 }
+BODY_KEYS = (*_BODY, *_GROUPS)
+THRUST_KEYS = ("kind", "forward", "reverse", "dead_band", "limits", "lag")
 _LAG = number("time constant of the thrust", "s", above=0.0)
 _DEAD_BAND = number("commands up to this give no thrust", "1", low=0.0)
 _LIMITS = Slot("greatest thrust forward, reverse", "N", range(2, 3), above=0.0)
@@ -108,7 +110,7 @@ class _Reader(Fields):
 
     def vehicle(self, base: Callable[[str], Vehicle]) -> Vehicle:
         document = self.document
-        self.known("", document, _TOP)
+        self.known("", document, TOP_KEYS)
         if document.get("format") != FORMAT:
             self.wrong(f"format must be {FORMAT}: write format = {FORMAT} in the first line.")
         extended = self._extended(base)
@@ -141,7 +143,7 @@ class _Reader(Fields):
 
     def _body(self, extended: Vehicle | None) -> dict[str, Any]:
         table = self.table("", self.document, "body", required=extended is None)
-        self.known("body", table, (*_BODY, *_GROUPS))
+        self.known("body", table, BODY_KEYS)
         found: dict[str, Any] = {}
         for key, slot in _BODY.items():
             inherited = extended is not None and key not in table
@@ -192,7 +194,7 @@ class _Reader(Fields):
 
     def _thrust(self, extended: Vehicle | None) -> dict[str, Any]:
         table = self.table("", self.document, "thrust", required=extended is None)
-        self.known("thrust", table, ("kind", "forward", "reverse", "dead_band", "limits", "lag"))
+        self.known("thrust", table, THRUST_KEYS)
         if extended is not None and "lag" not in table:
             lag = extended.lag
         else:

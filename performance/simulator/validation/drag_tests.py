@@ -29,6 +29,7 @@ from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import Quantity, Vehicle, load
 
 TITLE = "Drag and speed of the BlueROV2"
+SECOND = "bluerov2-heavy-v2"  # whose forces follow what is compared here
 TOP_SPEED_M_S = 1.0
 RUN_S = 5.0  # later the Munk moment has turned a vehicle without control aside
 TANK = {"surge": (1.0, 45.0), "sway": (0.6, 30.0)}  # speed [m/s], force [N]
@@ -113,12 +114,27 @@ def comparisons() -> list[Comparison]:
     return quantities
 
 
+def second_comparisons() -> list[Comparison]:
+    """Return the comparisons of the second version, whose thrust and drag they decided."""
+    vehicle = load(SECOND)
+    found = [Comparison("top speed ahead", top_speed(vehicle), TOP_SPEED_M_S, "m/s", BLUEROV2)]
+    for axis, (name, kgf) in enumerate(BOLLARD_KGF.items()):
+        pull = bollard_pull(vehicle, axis)
+        found.append(Comparison(f"bollard pull {name}", pull, KGF_N * kgf, "N", BLUEROV2))
+    for name, (speed, force) in TANK.items():
+        ours = drag(vehicle, AXES[name], speed)
+        found.append(Comparison(f"drag in {name} at {speed:g} m/s", ours, force, "N", LI))
+    return found
+
+
 def draw(out: Path) -> None:
     """Write the figure: drag over speed of ours, of the other identifications and of the tank."""
     vehicle, speeds = load(VEHICLE), np.linspace(0.0, 1.0, 51)
     with figure(out, rows=2, height=6.0) as panels:
         for panel, (name, (speed, force)) in zip(panels, TANK.items(), strict=True):
             axis = AXES[name]
+            second = [drag(load(SECOND), axis, float(v)) for v in speeds]
+            panel.plot(speeds, second, "--", label="ours, second version", color=COLOURS[1])
             curves = [("ours", [drag(vehicle, axis, float(v)) for v in speeds])]
             curves += [(o.label, [o.force(axis, float(v)) for v in speeds]) for o in OTHERS]
             for (label, values), colour in zip(curves, COLOURS[1:], strict=True):
@@ -159,6 +175,12 @@ def section(_names: list[str], figures: Path) -> str:
             "theirs:",
             markdown_table(("identification", *AXES), rows),
             "![Drag over speed](figures/bluerov2-drag.png)",
+            f"So there is a second version, `{SECOND}`, whose thrust follows the published pull "
+            "and whose drag in surge lies between the tank's force and that force scaled by the "
+            "width. It stands beside the first in practice runs; benchmarks that exist keep the "
+            "first. The pull abeam is less than that ahead because two of the four thrusters then "
+            "push in reverse.",
+            markdown_table(HEADER, [c.cells() for c in second_comparisons()]),
             "Consequence: in `currents-v2` the BlueROV2 Heavy is about as fast as the real one, "
             "with more thrust against more drag, and it reaches its speed sooner. Ranks compare "
             "programs on the same vehicle; the current held, in metres per second, is not a "

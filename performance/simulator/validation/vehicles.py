@@ -15,7 +15,14 @@ def names() -> list[str]:
 
 
 def _value(quantity: Quantity) -> str:
-    return ", ".join(f"{value:.6g}" for value in quantity.value)
+    if quantity.spread is None:
+        return _listed(quantity.value)
+    low, high = map(_listed, quantity.spread)
+    return f"{_listed(quantity.value)} (sources: {low} to {high})"
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)
 
 
 def vehicle_text(vehicle: Vehicle) -> str:

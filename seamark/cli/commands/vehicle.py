@@ -86,7 +86,8 @@ def check(*, source: str, picture: Path | None, as_json: bool) -> None:
     help="The URDF's frames have y to starboard and z down, as in the URDF that Seamark writes. "
     "Without it y is to port and z up, as ROS has it.",
 )
-def import_(*, urdf: Path, out: Path, z_down: bool) -> None:
+@json_option
+def import_(*, urdf: Path, out: Path, z_down: bool, as_json: bool) -> None:
     """Write a vehicle's file from a URDF, and list what it leaves out.
 
     Masses, inertias, boxes, cylinders, spheres and colours of the base link and of the links fixed
@@ -110,6 +111,9 @@ def import_(*, urdf: Path, out: Path, z_down: bool) -> None:
         raise UsageRefused(f"{urdf}: {reason}") from None
     with draft_of(out) as draft:
         draft.write(imported.text.encode())
+    if as_json:
+        print_json({"out": str(out), "left_out": list(imported.left_out)})
+        return
     click.echo(f"{out} written. Replace what is tagged E in it: URDF has no water, no thrusters.")
     if imported.left_out:
         click.echo("Left out:")

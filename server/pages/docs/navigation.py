@@ -21,7 +21,7 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("publishing.md", "datasets.md", "logs.md"),
     ),
     "Benchmarks and models": (
-        *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),
+        *("benchmarks.md", "physics", "vehicles.md", "camera.md", "controllers.md", "trackers.md"),
         *("trackers-table.md", "visibility.md", "validation.md"),
     ),
     "For teachers and operators": (

@@ -15,6 +15,8 @@ from click.testing import CliRunner
 
 from seamark.cli.main import cli
 from seamark.server.settings import Settings
+from seamark.sim.vehicles import load
+from seamark.sim.vehicles.urdf import urdf_of
 from tests.cast import Backend
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=2", "--set", "settle_s=1", "--seed", "7")
@@ -28,6 +30,8 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "dataset": f"currents-v1 {' '.join(SHORT)} --every 20",
     "benchmarks": "",
     "benchmarks NAME": "currents-v1",
+    "vehicle check": "girona500",
+    "vehicle import": "hull.urdf -o hull.toml",
     "completion": "bash",
     "user add": "zoe",
     "user import": "names.txt",
@@ -80,6 +84,7 @@ def folder(
     """A folder from which commands reach a service with the cast."""
     (tmp_path / "wrong.py").write_text("class Controler:\n    pass\n")
     (tmp_path / "names.txt").write_text("tim\nann\n")
+    (tmp_path / "hull.urdf").write_text(urdf_of(load("girona500")))
     monkeypatch.chdir(tmp_path)
     for variable, value in backend.settings.environment().items():
         monkeypatch.setenv(variable, value)

@@ -4,6 +4,7 @@ import io
 import json
 import time
 import zipfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.server.runs.data.downsampling import downsample
+from seamark.sim import registry
 from seamark.sim.recording.telemetry import COLUMNS, NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
@@ -56,6 +58,22 @@ def test_an_invalid_gain_is_refused_under_its_name(site: Site, text: str, field:
     document = problem_of(answer, 422, "invalid-configuration")
     assert [error["field"] for error in document["errors"]] == [field]
     assert "from 0 to" in document["errors"][0]["detail"]
+
+
+def test_a_file_of_a_vehicle_is_refused_with_where_it_can_be_used(
+    site: Site, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.toml"
+    text = registry.VEHICLES["bluerov2-heavy"].read_text("utf-8")
+    mine.write_text(text.replace('"bluerov2-heavy"', '"mine"'), encoding="utf-8")
+    order = {"benchmark": "currents-v2", "controller": "pi", "config": {"vehicle": str(mine)}}
+
+    answer = site.call("owner", "POST", RUNS, json=order)
+
+    document = problem_of(answer, 422, "invalid-configuration")
+    (error,) = document["errors"]
+    assert error["field"] == "vehicle"
+    assert "A vehicle of your own runs on your computer, not on a server" in error["detail"]
 
 
 @pytest.mark.slow

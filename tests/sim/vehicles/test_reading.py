@@ -10,10 +10,19 @@ from typing import Any
 
 import pytest
 
+from seamark import sim
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import Vehicle, load
-from seamark.sim.vehicles.fields import unit_of
-from seamark.sim.vehicles.reading import VehicleInvalid, read_vehicle
+from seamark.sim.vehicles.fields import QUANTITY_KEYS, unit_of
+from seamark.sim.vehicles.reading import (
+    BODY_KEYS,
+    HULL_MAX,
+    THRUST_KEYS,
+    THRUSTERS_MAX,
+    TOP_KEYS,
+    VehicleInvalid,
+    read_vehicle,
+)
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 PLAIN = VEHICLES["bluerov2-heavy"].read_text("utf-8")
@@ -223,3 +232,15 @@ def test_a_bracket_in_a_text_or_comment_is_no_nesting() -> None:
 @pytest.mark.parametrize("name", VEHICLES)
 def test_a_file_is_called_as_its_vehicle(name: str) -> None:
     assert VEHICLES[name].stem == load(name).name
+
+
+def test_the_documentation_has_every_key_and_a_file_that_can_be_read() -> None:
+    page = Path(sim.__file__).resolve().parents[1].joinpath("docs/vehicles.md").read_text("utf-8")
+    example = page.split("```toml\n")[1].split("```")[0]
+    keys = {*TOP_KEYS, *BODY_KEYS, *THRUST_KEYS, *QUANTITY_KEYS, "position", "direction", "solids"}
+
+    assert read(example).mass.tag == "M"
+    assert {key for key in keys if f"`{key}`" not in page and f"[{key}]" not in page} == set()
+    assert f"{BYTES_MAX // 1024} KiB" in page
+    assert f"1 to {THRUSTERS_MAX}" in page
+    assert f"1 to {HULL_MAX} boxes" in page
