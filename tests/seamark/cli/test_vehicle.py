@@ -6,7 +6,6 @@ import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -131,11 +130,6 @@ def run(vehicle: object, out: Path) -> Result:
     )
 
 
-def telemetry(folder: Path) -> np.ndarray:
-    text = (folder / "telemetry.csv").read_text("utf-8").splitlines()
-    return np.array([line for line in text if not line.startswith("#")])
-
-
 @pytest.mark.slow
 def test_a_file_with_the_numbers_of_our_vehicle_gives_the_same_bits(
     mine: Path, tmp_path: Path
@@ -203,7 +197,7 @@ def test_a_broken_file_is_one_sentence_when_a_run_starts(mine: Path, tmp_path: P
     done = run(mine, tmp_path / "result")
 
     assert done.exit_code == 2
-    assert "name is missing" in done.output or "body is missing" in done.output
+    assert f"{mine}: body is missing: write a line [body], and its keys below." in done.output
     assert f"more: `seamark vehicle check {mine}`" in done.output
 
 
