@@ -16,13 +16,10 @@ def names() -> list[str]:
 
 def _value(quantity: Quantity) -> str:
     if quantity.spread is None:
-        return _listed(quantity.value)
-    low, high = map(_listed, quantity.spread)
-    return f"{_listed(quantity.value)} (sources: {low} to {high})"
-
-
-def _listed(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:.6g}" for value in values)
+        return ", ".join(f"{value:.6g}" for value in quantity.value)
+    lows, highs = quantity.spread
+    rows = zip(quantity.value, lows, highs, strict=True)
+    return ", ".join(f"{value:.6g} ({low:.6g} to {high:.6g})" for value, low, high in rows)
 
 
 def vehicle_text(vehicle: Vehicle) -> str:
@@ -41,7 +38,8 @@ def section(vehicles: list[str], _figures: Path) -> str:
     tags = "; ".join(f"**{tag}** {meaning}" for tag, meaning in TAGS.items())
     return "\n\n".join(
         [
-            f"Read from the files of `sim/vehicles`, as used by the simulator. Tags: {tags}.",
+            f"Read from the files of `sim/vehicles`, as used by the simulator. Tags: {tags}. In "
+            "brackets: the least and greatest value that sources give, where they differ much.",
             *(vehicle_text(load(name)) for name in vehicles),
         ]
     )

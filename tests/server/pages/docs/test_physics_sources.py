@@ -25,6 +25,13 @@ def test_every_number_is_shown_with_its_meaning_and_source(site: Site, path: str
     assert missing(site.browser().get(path).text, QUANTITIES) == set()
 
 
+def test_a_number_on_which_sources_differ_is_shown_with_their_spread(site: Site) -> None:
+    page = unescape(site.browser().get("/docs/physics").text)
+
+    assert "56.5 (18.18 to 141)" in page
+    assert "5.5 (5.5 to 6.3567), 12.7 (7.1206 to 12.7), 14.6 (14.6 to 18.6863)" in page
+
+
 @pytest.mark.parametrize("name", registry.BENCHMARKS)
 def test_a_benchmark_shows_every_setting_with_its_source(site: Site, name: str) -> None:
     page = unescape(site.browser().get(f"/benchmarks/{name}").text)
