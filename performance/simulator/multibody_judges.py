@@ -19,7 +19,6 @@ from tests.sim.multibody.scenes import GROUND
 
 # As MuJoCo's documentation advises for grasping: friction without slip.
 MUJOCO_OPTIONS = {"cone": "elliptic", "impratio": "10", "noslip_iterations": "5"}
-_LEAST_INERTIA = 1e-6  # [kg m²] of MuJoCo's bodies
 _MOTOR_GAIN = "1000"  # [N m s/rad or N s/m]
 
 
@@ -91,6 +90,12 @@ class MuJoCo:
         """Move on."""
         mujoco.mj_step(self.model, self.data, steps)
 
+    def accelerations(self) -> Array:
+        """Return the accelerations now, without a step."""
+        mujoco.mj_forward(self.model, self.data)
+        found: Array = self.data.qacc.copy()
+        return found
+
 
 def _add_body(mechanism: Mechanism, link: Link, parent: ElementTree.Element) -> ElementTree.Element:
     mass, centre, inertia = _body(link)
@@ -104,14 +109,20 @@ def _add_body(mechanism: Mechanism, link: Link, parent: ElementTree.Element) -> 
         xyaxes=_words([x, y]),
         gravcomp=f"{share:.17g}",
     )
-    full = inertia + _LEAST_INERTIA * np.eye(3)
     ElementTree.SubElement(
         body,
         "inertial",
         mass=f"{mass:.17g}",
         pos=_words(centre),
         fullinertia=_words(
-            [full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2]]
+            [
+                inertia[0, 0],
+                inertia[1, 1],
+                inertia[2, 2],
+                inertia[0, 1],
+                inertia[0, 2],
+                inertia[1, 2],
+            ]
         ),
     )
     if link.joint == "free":

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from performance.plots import COLOURS, figure
-from performance.simulator.multibody import AtValve, in_current
+from performance.simulator.multibody_at_valve import EVERY, AtValve, in_current
 from performance.tables import below
 from seamark.sim.multibody.loads import write_loads
 from seamark.sim.multibody.mechanism import Link, Mechanism, Motor, Shape
@@ -110,8 +110,8 @@ def jaw(iterations: int) -> Array:
     angles = []
     for k in range(400):
         task.scene.command.thrust[:] = task.thrusts()
-        task.scene.command.speed[:] = task.speeds(k * task.EVERY * STEP_S)
-        task.scene.run(task.EVERY)
+        task.scene.command.speed[:] = task.speeds(k * EVERY * STEP_S)
+        task.scene.run(EVERY)
         angles.append(float(task.q[11]))
     return np.array(angles)
 
