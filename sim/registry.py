@@ -29,7 +29,14 @@ def _vehicles() -> dict[str, Path]:
     return {name: files[name] for name in _FIRST_VEHICLES} | files
 
 
+def _files(folder: str) -> dict[str, Path]:
+    """Return name -> file of what a folder of `vehicles` has."""
+    found = sorted((Path(__file__).parent / "vehicles" / folder).glob("*.toml"))
+    return {path.stem: path for path in found}
+
+
 VEHICLES = _vehicles()
+ARMS, THINGS = _files("arms"), _files("things")
 CONTROLLERS = {
     "pi": "seamark.sim.control.position.pi:Controller",
     "p": "seamark.sim.control.position.p:Controller",

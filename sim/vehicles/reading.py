@@ -7,7 +7,7 @@ to do. `docs/vehicles.md` describes the format.
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 from seamark.sim.vehicles.fields import (
     ERRORS_MAX,
@@ -19,14 +19,13 @@ from seamark.sim.vehicles.fields import (
     vector,
 )
 from seamark.sim.vehicles.model import AXES, HullBox, Quantity, ThrustCurve, Thruster, Vehicle
-from seamark.sim.vehicles.solids import Paint, Shape, Solid
+from seamark.sim.vehicles.solid_fields import read_solid
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 FORMAT = 1
 THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX = 32, 64, 256, 50
 COEFFICIENTS_MAX = 6  # of the compiled curve
 _SETTING = re.compile(r"[a-z][a-z0-9_]{0,60}")
-_COLOUR = re.compile(r"#[0-9a-f]{6}")
 TOP_KEYS = (
     *("format", "name", "title", "summary", "extends", "sources", "body", "thrust", "thrusters"),
     *("hull", "drawing", "defaults"),
@@ -247,24 +246,10 @@ class _Reader(Fields):
         if "solids" in table:
             entries = self.tables("drawing", table, "solids", SOLIDS_MAX)
             solids = tuple(
-                self._solid(f"drawing.solids {at}", one) for at, one in enumerate(entries, start=1)
+                read_solid(self, f"drawing.solids {at}", one)
+                for at, one in enumerate(entries, start=1)
             )
         return {"nozzle_radius_m": radius, "solids": solids}
-
-    def _solid(self, path: str, entry: Table) -> Solid:
-        self.known(path, entry, ("shape", "size", "centre", "colour", "livery"))
-        shape: Any = self.choice(f"{path}.shape", entry.get("shape"), get_args(Shape))
-        size = self.triple(f"{path}.size", entry.get("size"), above=0.0)
-        centre = self.triple(f"{path}.centre", entry.get("centre"))
-        colour, livery = entry.get("colour"), entry.get("livery", False)
-        if not isinstance(colour, str) or not _COLOUR.fullmatch(colour):
-            self.wrong(
-                f'{path}.colour must be # and six digits in small letters, such as "#f2b61d", not '
-                f"{quoted(colour)}."
-            )
-        if not isinstance(livery, bool):
-            self.wrong(f"{path}.livery must be true or false.")
-        return Solid(shape, size, centre, Paint(str(colour), bool(livery)))
 
     def _defaults(self) -> Mapping[str, object]:
         table = self.table("", self.document, "defaults", required=False)

@@ -31,9 +31,33 @@ print(digest.hexdigest(), touched)
 """
 
 
-def digest(variables: dict[str, str]) -> list[str]:
+MODELS = """
+import hashlib
+import numpy as np
+from seamark.sim.multibody.assembly import Mounting, assemble
+from seamark.sim.registry import ARMS, THINGS
+from seamark.sim.vehicles import Quantity, load
+from seamark.sim.vehicles.linkage import Place
+from seamark.sim.vehicles.linkage_reading import load_linkage
+
+point, turn = (
+    Quantity(meaning="", value=value, unit=unit, tag="E", source="a test")
+    for value, unit in (((0.2, 0.1, 0.3), "m"), ((0.3, -0.7, 1.9), "rad"))
+)
+place, digest = Place(point=point, turn=turn), hashlib.sha256()
+for name in (*ARMS, *THINGS):
+    mounting = Mounting(linkage=load_linkage(name), place=place, on_vehicle=name in ARMS)
+    assembly = assemble(load("girona500"), [mounting])
+    model = assembly.mechanism.model(0.002)
+    for part in (*model.links, *model.shapes, *model.rows, assembly.state(model).q):
+        digest.update(np.ascontiguousarray(part).tobytes())
+print(digest.hexdigest(), len(ARMS) + len(THINGS))
+"""
+
+
+def digest(variables: dict[str, str], code: str = SCENES) -> list[str]:
     done = subprocess.run(
-        [sys.executable, "-c", SCENES],
+        [sys.executable, "-c", code],
         capture_output=True,
         text=True,
         check=True,
@@ -50,3 +74,13 @@ def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor(
 
     assert here == again == digest(oldest_processor)
     assert int(here[1]) > 20
+
+
+@pytest.mark.slow
+def test_arms_and_things_are_the_same_mechanisms_on_the_oldest_processor(
+    oldest_processor: dict[str, str],
+) -> None:
+    here = digest({}, MODELS)
+
+    assert here == digest(oldest_processor, MODELS)
+    assert int(here[1]) >= 8
