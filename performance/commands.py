@@ -44,6 +44,7 @@ ADJUSTABLE = frozenset({"trackers", "leaderboard", "many_runs", "fake_runs", "cl
 # long, and is not part of `all`.
 OTHERS = {
     "validation": "simulator.validation.page",
+    "floating_arm": "simulator.validation.floating_arm.records",
     "paper_figures": "simulator.validation.experiment",
     "visibility": "perception.visibility.measurement",
     "headroom": "statistics.headroom.currents",

@@ -25,6 +25,7 @@ from performance.simulator.validation import (
     vehicles,
     water_tests,
 )
+from performance.simulator.validation.floating_arm import section as floating_arm
 from seamark.sim.recording.manifest import code_sha256, versions
 
 
@@ -42,7 +43,7 @@ PARTS = (
         "This part compares published measurements of real vehicles and real water with the "
         "simulator's prediction for the same set-up. Errors are our value relative to the "
         "measurement.",
-        (summary, thrust_tests, drag_tests, water_tests),
+        (summary, thrust_tests, drag_tests, floating_arm, water_tests),
     ),
     Part(
         "Verification",

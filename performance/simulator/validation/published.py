@@ -57,6 +57,12 @@ KIM = Source(
     "Near the bottom of a coastal trench: 50 % at 0.2 m/s, falling to 10 % at 0.9 m/s",
 )
 A50 = Source("Water Linked, DVL A50", "https://waterlinked.github.io/docs/dvl/dvl-a50/")
+HINSDALE = Source(
+    "Kolano et al., UVMS-SysID-with-EAs, data/hinsdale-data-2023, commit 18d9b2f",
+    "https://github.com/hkolano/UVMS-SysID-with-EAs",
+    "MIT licence; eight of its trials are kept here, ten samples a second. Related paper: arXiv "
+    "2209.13577",
+)
 ZANEVELD = Source(
     "Zaneveld and Pegau 2003, Opt. Express 11, 2997",
     "https://doi.org/10.1364/OE.11.002997",
