@@ -22,8 +22,8 @@ from seamark.sim.multibody.mechanism import (
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Command, Model, State, Work, advance
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.physics.current import Current
-from tests.sim.multibody.scenes import ALONG_Y, GROUND, STEP_S, about
+from seamark.sim.physics.current import Current, Water
+from tests.sim.multibody.scenes import ALONG_Y, GROUND, STEP_S, about, vehicle_with_arm
 
 STILL = Current(0.0).water
 FRICTION = 0.6
@@ -54,14 +54,14 @@ def ground() -> Shape:
 class Scene:
     """A mechanism that moves."""
 
-    def __init__(self, mechanism: Mechanism, *, iterations: int = 10) -> None:
+    def __init__(self, mechanism: Mechanism, *, iterations: int = 10, water: Water = STILL) -> None:
         self.mechanism = mechanism
         self.timing = Timing(STEP_S, iterations)
         self.model: Model = mechanism.model(STEP_S)
         self.state: State = state_for(self.model)
         self.work: Work = work_for(self.model)
         self.command: Command = command_for(self.model)
-        self.water = STILL
+        self.water = water
         self.steps = 0
 
     def run(self, steps: int) -> None:
@@ -442,6 +442,34 @@ def test_a_peg_enters_within_clearance_and_chamfer(offset: float) -> None:
 @pytest.mark.parametrize(("offset", "chamfer"), [(0.007, 0.004), (0.002, 0.0), (-0.002, 0.0)])
 def test_a_peg_beside_the_mouth_stays_outside(offset: float, chamfer: float) -> None:
     assert peg(offset, chamfer=chamfer) < 0.003
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_arm_that_is_thrown_about_at_random_stays_in_one_piece_and_out_of_things(
+    seed: int,
+) -> None:
+    source = np.random.Generator(np.random.PCG64(seed))
+    mechanism = vehicle_with_arm(valve_torque=2.0)
+    mechanism.links[-1].offset = (0.68, 0.0, GROUND.depth - 0.3)
+    scene = Scene(mechanism, water=Current(0.3, rng=source, duration_s=60.0).water)
+    scene.state.q[2] = GROUND.depth - 0.4
+    shoulder, left, right = 8, 11, 12
+    touched = 0
+
+    for _ in range(600):
+        scene.command.thrust[:] = source.uniform(-40.0, 40.0, 8)
+        scene.command.thrust[4:] += source.choice([-10.0, 10.0])  # up or down
+        scene.command.speed[:] = source.uniform(-2.0, 2.0, 5)
+        scene.run(50)
+
+        q = scene.state.q
+        assert np.abs(scene.state.v).max() < 30.0
+        assert scene.work.touches.gap.min() > -1e-3
+        assert abs(q[shoulder]) < 1.51
+        assert -0.61 < q[left] < 0.31
+        assert abs(q[left] + q[right]) < 0.05
+        touched += scene.state.impulses.contact[:, 0].any()
+    assert touched > 50
 
 
 def test_a_lever_between_jaws_is_turned_by_them() -> None:

@@ -275,8 +275,8 @@ def in_vacuum(seed: int) -> Mechanism:
     return mechanism
 
 
-def kinetic(mechanism: Mechanism, state: State, step_s: float) -> tuple[float, Array]:
-    """The kinetic energy, and the linear momentum in the world."""
+def kinetic(mechanism: Mechanism, state: State, step_s: float) -> tuple[float, Array, Array]:
+    """The kinetic energy, and linear and angular momentum in the world, but for rotors."""
     model = mechanism.model(step_s)
     work = work_for(model)
     copy = State(*(np.copy(part) for part in state[:3]), state.impulses)
@@ -285,16 +285,21 @@ def kinetic(mechanism: Mechanism, state: State, step_s: float) -> tuple[float, A
     twists, masses = work.frames.twist, model.links.mass
     energy = sum(0.5 * twist @ mass @ twist for twist, mass in zip(twists, masses, strict=True))
     energy += float(0.5 * (model.links.rotor[1:] * state.v[6:] ** 2).sum())
-    momentum = np.zeros(3)
-    for rotation, twist, mass in zip(work.frames.rotation, twists, masses, strict=True):
-        momentum += rotation @ (mass @ twist)[:3]
-    return energy, momentum
+    momentum, angular = np.zeros(3), np.zeros(3)
+    frames = zip(work.frames.rotation, work.frames.position, twists, masses, strict=True)
+    for rotation, position, twist, mass in frames:
+        push = mass @ twist
+        momentum += rotation @ push[:3]
+        angular += rotation @ push[3:] + np.cross(position, rotation @ push[:3])
+    return energy, momentum, angular
 
 
-def test_energy_and_momentum_are_kept_to_the_first_order_of_the_step() -> None:
+def test_energy_and_both_momenta_are_kept_to_the_first_order_of_the_step() -> None:
     drifts = []
     for step_s in (4e-3, 2e-3, 1e-3):
         mechanism = in_vacuum(4)
+        for link in mechanism.links:
+            link.rotor = 0.0
         model = mechanism.model(step_s)
         state = state_for(model)
         state.v[:] = 0.5 * rng(9).standard_normal(len(state.v))
@@ -311,13 +316,14 @@ def test_energy_and_momentum_are_kept_to_the_first_order_of_the_step() -> None:
             work_for(model),
         )
         last = kinetic(mechanism, state, step_s)
-        drift = np.abs(last[1] - first[1]).max() / np.abs(first[1]).max()
-        drifts.append((abs(last[0] / first[0] - 1.0), drift))
+        lost = [
+            np.abs(b - a).max() / np.abs(a).max() for a, b in zip(first[1:], last[1:], strict=True)
+        ]
+        drifts.append((abs(last[0] / first[0] - 1.0), *lost))
 
     for coarse, fine in pairwise(drifts):
-        assert fine[0] < 0.65 * coarse[0]
-        assert fine[1] < 0.65 * coarse[1]
-    assert drifts[-1] < (0.02, 0.02)
+        assert all(b < 0.65 * a for a, b in zip(coarse, fine, strict=True))
+    assert max(drifts[-1]) < 0.02
 
 
 def test_a_neutral_vehicle_with_an_arm_at_rest_in_still_water_does_not_turn() -> None:
