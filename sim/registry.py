@@ -31,8 +31,8 @@ def _vehicles() -> dict[str, Path]:
 
 def _files(folder: str) -> dict[str, Path]:
     """Return name -> file of what a folder of `vehicles` has."""
-    found = sorted((Path(__file__).parent / "vehicles" / folder).glob("*.toml"))
-    return {path.stem: path for path in found}
+    files = sorted((Path(__file__).parent / "vehicles" / folder).glob("*.toml"))
+    return {path.stem: path for path in files}
 
 
 VEHICLES = _vehicles()

@@ -93,8 +93,8 @@ class MuJoCo:
     def accelerations(self) -> Array:
         """Return the accelerations now, without a step."""
         mujoco.mj_forward(self.model, self.data)
-        found: Array = self.data.qacc.copy()
-        return found
+        rates: Array = self.data.qacc.copy()
+        return rates
 
 
 def _add_body(mechanism: Mechanism, link: Link, parent: ElementTree.Element) -> ElementTree.Element:

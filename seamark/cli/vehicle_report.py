@@ -25,11 +25,11 @@ def figures(vehicle: Vehicle) -> dict[str, Any]:
         "drag_coefficients": list(drag_coefficients(vehicle)),
         "full_thrust": {
             name: {
-                "force": found.force,
-                "speed": _finite(found.speed),
-                "time_s": _finite(found.time_s),
+                "force": response.force,
+                "speed": _finite(response.speed),
+                "time_s": _finite(response.time_s),
             }
-            for name, found in ((name, of.response(vehicle, name)) for name in of.DIRECTIONS)
+            for name, response in ((name, of.response(vehicle, name)) for name in of.DIRECTIONS)
         },
         "spreads": [
             {"place": place, "low": low, "value": value, "high": high, "unit": quantity.unit}
@@ -78,11 +78,11 @@ def _balance(vehicle: Vehicle) -> Iterator[str]:
 def _responses(vehicle: Vehicle) -> Iterator[str]:
     yield f"{'full thrust':<22}{'force':>12}{'speed':>13}{'63 % of it after':>19}"
     for name, (axis, _sign) in of.DIRECTIONS.items():
-        found = of.response(vehicle, name)
+        response = of.response(vehicle, name)
         force, speed = ("N m", "rad/s") if axis == of.YAW else ("N", "m/s")
         yield (
-            f"{name:<22}{_number(found.force, 3):>8} {force:<3}{_number(found.speed, 2):>7} "
-            f"{speed:<5}{_number(found.time_s, 2):>15} s"
+            f"{name:<22}{_number(response.force, 3):>8} {force:<3}{_number(response.speed, 2):>7} "
+            f"{speed:<5}{_number(response.time_s, 2):>15} s"
         )
     yield "A speed in m/s is also the current against which it can hold its place that way, level."
 

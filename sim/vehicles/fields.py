@@ -218,30 +218,30 @@ class Fields:
 
     def table(self, path: str, table: Table, key: str, *, required: bool) -> Table:
         """Return a table; an empty one if it is missing and may be."""
-        found = table.get(key)
-        if isinstance(found, dict):
-            return found
-        if found is not None or required:
+        value = table.get(key)
+        if isinstance(value, dict):
+            return value
+        if value is not None or required:
             name = f"{path}.{key}" if path else key
-            what = "missing" if found is None else "no table"
+            what = "missing" if value is None else "no table"
             self.wrong(f"{name} is {what}: write a line [{name}], and its keys below.")
         return {}
 
     def tables(self, path: str, table: Table, key: str, most: int) -> list[Table]:
         """Return a list of 1 to `most` tables."""
-        name, found = f"{path}.{key}" if path else key, table.get(key)
-        if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-            what = "missing" if found is None else "no list of tables"
+        name, tables = f"{path}.{key}" if path else key, table.get(key)
+        if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
+            what = "missing" if tables is None else "no list of tables"
             self.wrong(f"{name} is {what}.")
             return []
-        if not 1 <= len(found) <= most:
-            self.wrong(f"{name}: there must be 1 to {most}, not {len(found)}.")
+        if not 1 <= len(tables) <= most:
+            self.wrong(f"{name}: there must be 1 to {most}, not {len(tables)}.")
             return []
-        return found
+        return tables
 
     def named(self, key: str, most: int) -> list[tuple[str, Table]]:
         """Return path and table of each entry of a list; their names differ."""
-        found: list[tuple[str, Table]] = []
+        named: list[tuple[str, Table]] = []
         names: set[str] = set()
         for at, entry in enumerate(self.tables("", self.document, key, most), start=1):
             path = f"{key} {at}"
@@ -249,8 +249,8 @@ class Fields:
             if name in names:
                 self.wrong(f"{path}.name: {quoted(name)} is taken; give each its own.")
             names.add(name)
-            found.append((f"{path} ({name})" if name else path, {**entry, "name": name}))
-        return found
+            named.append((f"{path} ({name})" if name else path, {**entry, "name": name}))
+        return named
 
     def known(self, path: str, table: Table, keys: Collection[str]) -> None:
         """Refuse keys that a table does not have."""

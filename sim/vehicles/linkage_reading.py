@@ -95,12 +95,12 @@ def read_linkage(content: bytes) -> Linkage:
     except TomlRefused as reason:
         raise LinkageInvalid([str(reason)]) from None
     reader = _Reader(document)
-    found = reader.linkage()
-    if found is None or reader.errors:
+    linkage = reader.linkage()
+    if linkage is None or reader.errors:
         more = len(reader.errors) - ERRORS_MAX
         rest = [f"{more} more mistakes are not listed."] if more > 0 else []
         raise LinkageInvalid([*reader.errors[:ERRORS_MAX], *rest])
-    return found
+    return linkage
 
 
 class _Reader(Fields):
@@ -171,8 +171,8 @@ class _Reader(Fields):
     def _some(self, path: str, entry: Table, key: str) -> list[tuple[str, Table]]:
         """Return path and table of each entry of a list that may be missing."""
         most = SHAPES_MAX if key == "shapes" else SOLIDS_MAX
-        found = self.tables(path, entry, key, most) if key in entry else []
-        return [(f"{path}.{key} {at}", one) for at, one in enumerate(found, start=1)]
+        entries = self.tables(path, entry, key, most) if key in entry else []
+        return [(f"{path}.{key} {at}", one) for at, one in enumerate(entries, start=1)]
 
     def _place(self, path: str, table: Table) -> Place:
         point, turn = (
@@ -251,7 +251,7 @@ class _Reader(Fields):
         if not isinstance(given, list) or len(given) > PAIRS_MAX:
             self.wrong(f"touches must be a list of at most {PAIRS_MAX} pairs of shapes.")
             return ()
-        found = []
+        pairs = []
         for at, pair in enumerate(given, start=1):
             two = isinstance(pair, list) and len(pair) == 2
             if not two or not all(isinstance(one, str) and one in shapes for one in pair):
@@ -263,8 +263,8 @@ class _Reader(Fields):
                     f"touches {at}: contacts of a {first.kind} and a {second.kind} are not known, "
                     "or both are of one link."
                 )
-            found.append((first.name, second.name))
-        return tuple(found)
+            pairs.append((first.name, second.name))
+        return tuple(pairs)
 
     def _shapes_of(self, key: str, shapes: Mapping[str, object]) -> tuple[str, ...]:
         given = self.document.get(key, [])

@@ -33,8 +33,8 @@ class Finding(NamedTuple):
 
 def findings(vehicle: Vehicle) -> list[Finding]:
     """Return everything that is found, errors first."""
-    found = [Finding("error", text) for text in _errors(vehicle)]
-    return found + [Finding("warning", text) for text in _warnings(vehicle)]
+    errors = [Finding("error", text) for text in _errors(vehicle)]
+    return errors + [Finding("warning", text) for text in _warnings(vehicle)]
 
 
 def _errors(vehicle: Vehicle) -> Iterator[str]:

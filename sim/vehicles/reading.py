@@ -96,12 +96,12 @@ def read_vehicle(content: bytes, *, base: Callable[[str], Vehicle]) -> Vehicle:
     except TomlRefused as reason:
         raise VehicleInvalid([str(reason)]) from None
     reader = _Reader(document)
-    found = reader.vehicle(base)
+    vehicle = reader.vehicle(base)
     if reader.errors:
         more = len(reader.errors) - ERRORS_MAX
         rest = [f"{more} more mistakes are not listed."] if more > 0 else []
         raise VehicleInvalid([*reader.errors[:ERRORS_MAX], *rest])
-    return found
+    return vehicle
 
 
 class _Reader(Fields):
@@ -143,19 +143,19 @@ class _Reader(Fields):
     def _body(self, extended: Vehicle | None) -> dict[str, Any]:
         table = self.table("", self.document, "body", required=extended is None)
         self.known("body", table, BODY_KEYS)
-        found: dict[str, Any] = {}
+        body: dict[str, Any] = {}
         for key, slot in _BODY.items():
             inherited = extended is not None and key not in table
             more = ("about",) if key == "inertia" else ()
-            found[key] = (
+            body[key] = (
                 getattr(extended, key)
                 if inherited
                 else self.quantity("body", table, key, slot, more)
             )
         for key in _GROUPS:
             inherited = extended is not None and key not in table
-            found[key] = getattr(extended, key) if inherited else self._groups(table, key)
-        return found | {"inertia_point": self._inertia_point(table, extended)}
+            body[key] = getattr(extended, key) if inherited else self._groups(table, key)
+        return body | {"inertia_point": self._inertia_point(table, extended)}
 
     def _inertia_point(self, body: Table, extended: Vehicle | None) -> str:
         if extended is not None and "inertia" not in body:
@@ -166,21 +166,21 @@ class _Reader(Fields):
 
     def _groups(self, table: Table, key: str) -> tuple[Quantity, ...]:
         """Return quantities that together have x, y, z, roll, pitch and yaw in this order."""
-        path, found = f"body.{key}", []
+        path, groups = f"body.{key}", []
         axes: list[str] = []
         for at, entry in enumerate(self.tables("body", table, key, len(AXES)), start=1):
             given = self._axes(f"{path} {at}", entry)
             meaning, unit = _GROUPS[key][AXES.index(given[0]) // 3]
             count = range(len(given), len(given) + 1)
             slot = Slot(meaning.format(", ".join(given)), unit, count, low=0.0)
-            found.append(self.read_quantity(f"{path} {at}", entry, slot, ("axes",)))
+            groups.append(self.read_quantity(f"{path} {at}", entry, slot, ("axes",)))
             axes += given
         if axes and axes != list(AXES):
             self.wrong(
                 f"{path} must have the axes {', '.join(AXES)}, each once and in this order, not "
                 f"{', '.join(axes)}."
             )
-        return tuple(found)
+        return tuple(groups)
 
     def _axes(self, path: str, entry: Table) -> list[str]:
         """Return the axes of a group: some of x, y, z, or some of roll, pitch, yaw."""
@@ -217,24 +217,24 @@ class _Reader(Fields):
         return curve
 
     def _thrusters(self) -> tuple[Thruster, ...]:
-        found = []
+        thrusters = []
         slot = vector("position of the thruster", "m")
         for path, entry in self.named("thrusters", THRUSTERS_MAX):
             self.known(path, entry, ("name", "position", "direction"))
             position = self.quantity(path, entry, "position", slot)
             direction = self.direction(f"{path}.direction", entry.get("direction"))
-            found.append(Thruster(name=entry["name"], position=position, direction=direction))
-        return tuple(found)
+            thrusters.append(Thruster(name=entry["name"], position=position, direction=direction))
+        return tuple(thrusters)
 
     def _hull(self) -> tuple[HullBox, ...]:
-        found = []
+        boxes = []
         for path, entry in self.named("hull", HULL_MAX):
             self.known(path, entry, ("name", "centre", "size"))
             centre = self.quantity(path, entry, "centre", vector("centre of the hull", "m"))
             slot = vector("box around the hull", "m", above=0.0)
             size = self.quantity(path, entry, "size", slot)
-            found.append(HullBox(name=entry["name"], centre=centre, size=size))
-        return tuple(found)
+            boxes.append(HullBox(name=entry["name"], centre=centre, size=size))
+        return tuple(boxes)
 
     def _drawing(self, extended: Vehicle | None) -> dict[str, Any]:
         table = self.table("", self.document, "drawing", required=False)

@@ -55,7 +55,7 @@ def _check_shape(text: str) -> None:
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LINE_MAX:
             raise TomlRefused(f"Line {number} is longer than {LINE_MAX} characters; break it.")
-        bare = _OPAQUE.sub(lambda found: "" if found[0].startswith("#") else "_", line)
+        bare = _OPAQUE.sub(lambda match: "" if match[0].startswith("#") else "_", line)
         key = bare if bare.lstrip().startswith("[") else bare.partition("=")[0]
         if nesting == 0 and key.count(".") >= KEY_PARTS_MAX:
             raise TomlRefused(f"The key in line {number} has more than {KEY_PARTS_MAX} parts.")

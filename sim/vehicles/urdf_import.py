@@ -278,10 +278,10 @@ def _attribute(element: Element, name: str) -> str:
 
 
 def _target(joint: Element, end: str) -> str:
-    found = joint.first(end)
-    if found is None:
+    element = joint.first(end)
+    if element is None:
         raise UrdfRefused(f"A joint has no <{end}>.")
-    return _attribute(found, "link")
+    return _attribute(element, "link")
 
 
 def _number(text: str) -> float:

@@ -117,14 +117,16 @@ def comparisons() -> list[Comparison]:
 def second_comparisons() -> list[Comparison]:
     """Return the comparisons of the second version, whose thrust and drag they decided."""
     vehicle = load(SECOND)
-    found = [Comparison("top speed ahead", top_speed(vehicle), TOP_SPEED_M_S, "m/s", BLUEROV2)]
+    comparisons = [
+        Comparison("top speed ahead", top_speed(vehicle), TOP_SPEED_M_S, "m/s", BLUEROV2)
+    ]
     for axis, (name, kgf) in enumerate(BOLLARD_KGF.items()):
         pull = bollard_pull(vehicle, axis)
-        found.append(Comparison(f"bollard pull {name}", pull, KGF_N * kgf, "N", BLUEROV2))
+        comparisons.append(Comparison(f"bollard pull {name}", pull, KGF_N * kgf, "N", BLUEROV2))
     for name, (speed, force) in TANK.items():
         ours = drag(vehicle, AXES[name], speed)
-        found.append(Comparison(f"drag in {name} at {speed:g} m/s", ours, force, "N", LI))
-    return found
+        comparisons.append(Comparison(f"drag in {name} at {speed:g} m/s", ours, force, "N", LI))
+    return comparisons
 
 
 def draw(out: Path) -> None:

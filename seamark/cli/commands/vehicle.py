@@ -52,20 +52,20 @@ def check(*, source: str, picture: Path | None, as_json: bool) -> None:
 
     _refuse_other_pictures(picture)
     try:
-        found = _vehicle_of(source)
+        vehicle = _vehicle_of(source)
     except VehicleInvalid as invalid:
         _tell_invalid(source, invalid.errors, as_json=as_json)
         exit_with(1)
-    told = findings(found)
+    told = findings(vehicle)
     errors = [one.text for one in told if one.grade == "error"]
     warnings = [one.text for one in told if one.grade == "warning"]
     if picture is not None:
-        _draw(found, picture)
+        _draw(vehicle, picture)
     if as_json:
-        document = {"name": found.name, "errors": errors, "warnings": warnings}
-        print_json(document | ({} if errors else {"figures": figures(found)}))
+        document = {"name": vehicle.name, "errors": errors, "warnings": warnings}
+        print_json(document | ({} if errors else {"figures": figures(vehicle)}))
     else:
-        for line in lines(found, errors, warnings):
+        for line in lines(vehicle, errors, warnings):
             click.echo(line)
     exit_with(1 if errors else 0)
 
@@ -144,12 +144,12 @@ def _refuse_other_pictures(picture: Path | None) -> None:
         raise UsageRefused(f"{picture}: drawings are SVG; give the file a name with .svg.")
 
 
-def _draw(found: Vehicle, picture: Path) -> None:
+def _draw(vehicle: Vehicle, picture: Path) -> None:
     from seamark.cli.output_folder import draft_of
     from seamark.sim.vehicles.drawing import drawing
 
     with draft_of(picture) as file:
-        file.write(drawing(found).encode())
+        file.write(drawing(vehicle).encode())
 
 
 def _tell_invalid(source: str, errors: tuple[str, ...], *, as_json: bool) -> None:

@@ -54,6 +54,7 @@ EXTRAS = {  # of pyproject.toml
     "formats": "seamark export to Parquet and MCAP",
     "ros": "seamark bridge rosbridge; seamark replay of MCAP files and ROS bags",
     "plot": "pictures by seamark plot and the Python client",
+    "pybullet": "PyBullet as contact engine, to compare with; Python 3.11 alone",
 }
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
 

@@ -48,7 +48,6 @@ import math, struct, sys
 
 from ...inside.connection import connected
 from ...inside.port_names import observation_spans
-from ...inside.wire import COMMAND
 
 
 def main():
@@ -68,7 +67,7 @@ def main():
         values = struct.unpack(f"<{len(body) // 8}d", body)
         names = header["config"] | {name: values[span.offset] for name, span in spans.items()}
         answers = [eval(one, {"min": min, "max": max}, names) for one in formulas]
-        connection.send(b"c", COMMAND.pack(*answers))
+        connection.send(b"c", struct.pack(f"<{len(answers)}d", *answers))
 """
 AXIS = "min(max(kp * {}, -reference_limit_m_s), reference_limit_m_s)\n"
 FILES = {

@@ -85,11 +85,11 @@ def residuals(predictor: Predictor, trials: dict[str, Trial]) -> dict[str, Array
 
 def residuals_by_best_clock(predictor: Predictor, trials: dict[str, Trial]) -> dict[str, Array]:
     """Return the residuals with the clock of the joints that suits each trial best."""
-    found = {}
+    best = {}
     for name, trial in trials.items():
         candidates = [_error(predictor, trial.with_clock(float(shift))) for shift in CLOCKS_S]
-        found[name] = min(candidates, key=lambda one: float(np.mean(one**2)))
-    return found
+        best[name] = min(candidates, key=lambda one: float(np.mean(one**2)))
+    return best
 
 
 def _error(predictor: Predictor, trial: Trial) -> Array:
@@ -108,15 +108,15 @@ def interval(errors: Sequence[Array], others: Sequence[Array] | None = None) -> 
     Trials are drawn with replacement, then blocks of some seconds of each.
     """
     generator = np.random.Generator(np.random.PCG64(_SEED))
-    found = []
+    values = []
     for _ in range(RESAMPLES):
         chosen = [_blocks(len(errors[i]), generator) for i in range(len(errors))]
         drawn = generator.integers(len(errors), size=len(errors))
         value = rms([errors[i][chosen[i]] for i in drawn])
         if others is not None:
             value = value - rms([others[i][chosen[i]] for i in drawn])
-        found.append(value)
-    limits: Array = np.percentile(found, [2.5, 97.5], axis=0)
+        values.append(value)
+    limits: Array = np.percentile(values, [2.5, 97.5], axis=0)
     return limits
 
 

@@ -47,7 +47,7 @@ def hypotheses(attitude: Array, joints: Array) -> list[Hypothesis]:
     Tilt is linear in the places of the weights: for each heading of the base at zero, the other
     numbers follow from linear least squares.
     """
-    found = []
+    ranked = []
     for upright, base, elbow in product((True, False), (1, -1), (1, -1)):
         wanted = np.concatenate([attitude[:, 0], attitude[:, 1]])
         errors = []
@@ -56,8 +56,8 @@ def hypotheses(attitude: Array, joints: Array) -> list[Hypothesis]:
             solution = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
             errors.append(float(np.sqrt(np.mean((matrix @ solution - wanted) ** 2))))
         rms = float(np.degrees(min(errors)))
-        found.append(Hypothesis(upright=upright, base_sign=base, elbow_sign=elbow, rms_deg=rms))
-    return sorted(found, key=lambda one: one.rms_deg)
+        ranked.append(Hypothesis(upright=upright, base_sign=base, elbow_sign=elbow, rms_deg=rms))
+    return sorted(ranked, key=lambda one: one.rms_deg)
 
 
 def _design(joints: Array, upright: bool, base: int, elbow: int, zero: float) -> Array:

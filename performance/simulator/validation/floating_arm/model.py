@@ -97,7 +97,7 @@ def predicted(chosen: Parameters, trial: Trial) -> Array:
     slopes = np.polyfit(STEP_S * np.arange(len(first)), first, 1)[0]
     state.v[3], state.v[4] = slopes[0], slopes[1]
     state.q[coordinates] = targets[0]
-    found = [(roll, pitch)]
+    angles = [(roll, pitch)]
     each = round(STEP_S / _SERVO_S)
     for k in range(1, len(targets)):
         for part in range(1, each + 1):
@@ -105,8 +105,8 @@ def predicted(chosen: Parameters, trial: Trial) -> Array:
             command.speed[motors] = (wanted - state.q[coordinates]) / _SERVO_S
             done = ((k - 1) * each + part - 1) * _STEPS
             advance((done, _STEPS), _TIMING, model, state, command, _WATER, _GROUND, work)
-        found.append(_angles(*state.q[3:7]))
-    return np.array(found)
+        angles.append(_angles(*state.q[3:7]))
+    return np.array(angles)
 
 
 def balanced(chosen: Parameters, trial: Trial) -> Array:
@@ -114,11 +114,11 @@ def balanced(chosen: Parameters, trial: Trial) -> Array:
     assembly, model = prepared(chosen)
     state, work = assembly.state(model), work_for(model)
     coordinates = [assembly.coordinate(model, name) for name in JOINTS]
-    found = []
+    balances = []
     for joints in trial.joints - [BASE_ZERO, 0.0, 0.0, 0.0]:
         state.q[coordinates] = joints
-        found.append(_balance_of(model, state.q, work.frames))
-    return np.array(found)
+        balances.append(_balance_of(model, state.q, work.frames))
+    return np.array(balances)
 
 
 def _balance_of(model: Model, q: Array, frames: Frames) -> tuple[float, float]:

@@ -59,17 +59,17 @@ def trials() -> dict[str, Trial]:
     """Return all trials of the excerpt."""
     with EXCERPT.open(encoding="utf-8", newline="") as file:
         rows = list(csv.reader(line for line in file if not line.startswith("#")))[1:]
-    found = {}
+    loaded = {}
     for name in SPANS:
         values = np.array([row[1:] for row in rows if row[0] == name], dtype=np.float64)
-        found[name] = Trial(
+        loaded[name] = Trial(
             name=name,
             time_s=values[:, 0],
             attitude=values[:, 1:3],
             seen=values[:, 3:5],
             joints=values[:, 5:9],
         )
-    return found
+    return loaded
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -59,7 +59,7 @@ def errors_table(errors: _Errors) -> str:
 
 def hypotheses_table(attitude: Array, joints: Array) -> str:
     """Return how well each arrangement of the joints fits, the best first."""
-    found = frames.hypotheses(attitude, joints)
+    ranked = frames.hypotheses(attitude, joints)
     rows = [
         (
             "vertical" if one.upright else "ahead",
@@ -67,7 +67,7 @@ def hypotheses_table(attitude: Array, joints: Array) -> str:
             "against the shoulder" if one.elbow_sign < 0 else "with the shoulder",
             f"{one.rms_deg:.2f}",
         )
-        for one in found
+        for one in ranked
     ]
     header = ["axis of the base", "larger angle turns to", "elbow turns", "rms error [°]"]
     return markdown_table(header, rows)
@@ -96,12 +96,12 @@ def parameters_table(fitted: fit.Fitted) -> str:
     return markdown_table(["parameter", "value", "standard error", "unit"], rows)
 
 
-def draw(found: dict[str, Trial], errors: _Errors, out: Path) -> None:
+def draw(records: dict[str, Trial], errors: _Errors, out: Path) -> None:
     """Write the figure: trials in which the arm moves and which no number was fitted to."""
     engine, balance = (errors[name] for name in list(errors)[:2])
     with figure(out, rows=len(SHOWN), height=8.0, share_x=False) as axes:
         for name, panel in zip(SHOWN, axes, strict=True):
-            trial = found[name]
+            trial = records[name]
             measured = np.degrees(trial.attitude)
             for i, angle in enumerate(_ANGLES):
                 line = {"color": COLOURS[i]}
@@ -118,21 +118,22 @@ def draw(found: dict[str, Trial], errors: _Errors, out: Path) -> None:
 
 def section(_names: list[str], figures: Path) -> str:
     """Return the section's text."""
-    found = trials()
-    fitted = fit.fit(found)
+    records = trials()
+    fitted = fit.fit(records)
     errors = {
-        name: fit.residuals(predictor, found) for name, predictor in fit.predictors(fitted).items()
+        name: fit.residuals(predictor, records)
+        for name, predictor in fit.predictors(fitted).items()
     }
-    others = {name: found[name] for name in OTHERS}
+    others = {name: records[name] for name in OTHERS}
     clocked = [
         list(fit.residuals_by_best_clock(predictor, others).values())
         for predictor in list(fit.predictors(fitted).values())[:2]
     ]
-    draw(found, errors, figures / "floating-arm.png")
-    attitude, joints = frames.samples(found)
+    draw(records, errors, figures / "floating-arm.png")
+    attitude, joints = frames.samples(records)
     values, deviations = frames.identify(attitude, joints)
     share, share_error = frames.height_share(attitude, joints)
-    seen = [np.degrees(found[name].seen - found[name].attitude) for name in found]
+    seen = [np.degrees(records[name].seen - records[name].attitude) for name in records]
     disagreement = np.nanmedian(np.abs(np.concatenate(seen)), axis=0)
     return "\n\n".join(
         [
