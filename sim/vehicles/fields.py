@@ -25,6 +25,21 @@ QUANTITY_KEYS = ("value", "unit", "tag", "source", "reason", "meaning", "spread"
 Table = Mapping[str, Any]
 
 
+class FileInvalid(Exception):
+    """A file breaks rules. The sentences are written for the user, the first `ERRORS_MAX` of them.
+
+    Attributes
+    ----------
+    errors : sequence of sentences
+    """
+
+    def __init__(self, errors: Sequence[str]) -> None:
+        more = len(errors) - ERRORS_MAX
+        rest = [f"{more} more mistakes are not listed."] if more > 0 else []
+        self.errors = (*errors[:ERRORS_MAX], *rest)
+        super().__init__(" ".join(self.errors))
+
+
 @dataclass(frozen=True, slots=True)
 class Slot:
     """What a quantity of the format must be."""

@@ -12,9 +12,9 @@ from typing import Any, get_args
 from seamark.sim.registry import ARMS, THINGS
 from seamark.sim.vehicles.body_fields import read_body
 from seamark.sim.vehicles.fields import (
-    ERRORS_MAX,
     NAME_MAX,
     Fields,
+    FileInvalid,
     Slot,
     Table,
     number,
@@ -54,17 +54,8 @@ _TAKEN = ("vehicle", "bottom")  # by what an arm hangs on and lies on
 _FRICTION = number("friction", "1", low=0.0)
 
 
-class LinkageInvalid(Exception):
-    """The file of an arm or a thing breaks rules. The sentences are written for the user.
-
-    Attributes
-    ----------
-    errors : sequence of sentences
-    """
-
-    def __init__(self, errors: Sequence[str]) -> None:
-        super().__init__(" ".join(errors))
-        self.errors = tuple(errors)
+class LinkageInvalid(FileInvalid):
+    """The file of an arm or a thing breaks rules."""
 
 
 @cache
@@ -88,7 +79,7 @@ def read_linkage(content: bytes) -> Linkage:
     Raises
     ------
     LinkageInvalid
-        With a sentence for each mistake, the first `ERRORS_MAX`.
+        With a sentence for each mistake.
     """
     try:
         document = read_toml(content)
@@ -97,9 +88,7 @@ def read_linkage(content: bytes) -> Linkage:
     reader = _Reader(document)
     linkage = reader.linkage()
     if linkage is None or reader.errors:
-        more = len(reader.errors) - ERRORS_MAX
-        rest = [f"{more} more mistakes are not listed."] if more > 0 else []
-        raise LinkageInvalid([*reader.errors[:ERRORS_MAX], *rest])
+        raise LinkageInvalid(reader.errors)
     return linkage
 
 

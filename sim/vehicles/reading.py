@@ -6,12 +6,12 @@ to do. `docs/vehicles.md` describes the format.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from seamark.sim.vehicles.fields import (
-    ERRORS_MAX,
     Fields,
+    FileInvalid,
     Slot,
     Table,
     number,
@@ -32,17 +32,8 @@ TOP_KEYS = (
 )
 
 
-class VehicleInvalid(Exception):
-    """A vehicle's file breaks rules. The sentences are written for the user.
-
-    Attributes
-    ----------
-    errors : sequence of sentences
-    """
-
-    def __init__(self, errors: Sequence[str]) -> None:
-        super().__init__(" ".join(errors))
-        self.errors = tuple(errors)
+class VehicleInvalid(FileInvalid):
+    """A vehicle's file breaks rules."""
 
 
 _BODY = {
@@ -89,7 +80,7 @@ def read_vehicle(content: bytes, *, base: Callable[[str], Vehicle]) -> Vehicle:
     Raises
     ------
     VehicleInvalid
-        With a sentence for each mistake, the first `ERRORS_MAX`.
+        With a sentence for each mistake.
     """
     try:
         document = read_toml(content)
@@ -98,9 +89,7 @@ def read_vehicle(content: bytes, *, base: Callable[[str], Vehicle]) -> Vehicle:
     reader = _Reader(document)
     vehicle = reader.vehicle(base)
     if reader.errors:
-        more = len(reader.errors) - ERRORS_MAX
-        rest = [f"{more} more mistakes are not listed."] if more > 0 else []
-        raise VehicleInvalid([*reader.errors[:ERRORS_MAX], *rest])
+        raise VehicleInvalid(reader.errors)
     return vehicle
 
 
