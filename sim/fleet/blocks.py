@@ -100,7 +100,7 @@ def advance_block(
         target[j] = thrust_from_command(command[j], curve) * gains[j]
     body, water = _body(block, bodies), _water(block, law, motion)
     gate = lanes_of(motion.gate)[block]
-    buffers = _lanes_of_buffers(work.buffers)
+    buffers = lanes_of(work.buffers)
     deep[0] = 0.0
     for done in range(steps):
         deep[0] = select(state[2] > gate, 1.0, deep[0])
@@ -118,21 +118,6 @@ def _find_segments(block: int, motion: Motion, work: Work) -> None:
             piece = segment_at(work.middle[0, lane], motion.drift[block * LANES + lane])
             for j in range(len(piece)):
                 work.segment[j, lane] = piece[j]
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _lanes_of_buffers(buffers: Buffers) -> Buffers:
-    return Buffers(
-        k1=lanes_of(buffers.k1),
-        k2=lanes_of(buffers.k2),
-        k3=lanes_of(buffers.k3),
-        k4=lanes_of(buffers.k4),
-        y=lanes_of(buffers.y),
-        rotation=lanes_of(buffers.rotation),
-        relative=lanes_of(buffers.relative),
-        momentum=lanes_of(buffers.momentum),
-        wrench=lanes_of(buffers.wrench),
-    )
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -124,10 +124,9 @@ def vehicle_link(vehicle: Vehicle) -> Link:
     )
 
 
-def _add_vehicle(vehicle: Vehicle, mechanism: Mechanism) -> None:
-    mechanism.links.append(vehicle_link(vehicle))
-    mechanism.allocation, mechanism.lag_s = vehicle.allocation(), vehicle.lag.scalar
-    mechanism.shapes += [
+def hull_shapes(vehicle: Vehicle) -> list[Shape]:
+    """Return the boxes of a vehicle's hull, on the link of the vehicle."""
+    return [
         Shape(
             name=f"{_HULL}{i}",
             kind="box",
@@ -138,6 +137,12 @@ def _add_vehicle(vehicle: Vehicle, mechanism: Mechanism) -> None:
         )
         for i, piece in enumerate(vehicle.hull)
     ]
+
+
+def _add_vehicle(vehicle: Vehicle, mechanism: Mechanism) -> None:
+    mechanism.links.append(vehicle_link(vehicle))
+    mechanism.allocation, mechanism.lag_s = vehicle.allocation(), vehicle.lag.scalar
+    mechanism.shapes += hull_shapes(vehicle)
 
 
 def _add_linkage(mounting: Mounting, mechanism: Mechanism) -> dict[str, tuple[Array, Array]]:

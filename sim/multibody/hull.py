@@ -5,17 +5,15 @@ how fast it would go on, with its whole mass, rigid and added. A box that can be
 here; it has its weight in water and no drag.
 """
 
-from collections.abc import Iterable
-
 import numpy as np
 from numba import njit
 
+from seamark.sim.multibody.assembly import VEHICLE, hull_shapes
 from seamark.sim.multibody.contacts import find_touches, place_shapes
 from seamark.sim.multibody.mechanism import (
     UNTURNED,
     Link,
     Mechanism,
-    Point,
     Shape,
     command_for,
     state_for,
@@ -97,20 +95,8 @@ def warm_up() -> None:
 
 def _mechanism(vehicle: Vehicle, box: TargetBox | None) -> Mechanism:
     friction = constants.FRICTION.scalar
-    hull = [
-        Shape(
-            name=f"hull {i}",
-            kind="box",
-            link="vehicle",
-            place=_point(piece.centre.value),
-            size=_point(0.5 * length for length in piece.size.value),
-            friction=friction,
-        )
-        for i, piece in enumerate(vehicle.hull)
-    ]
-    links = [
-        Link(name="vehicle", rigid=vehicle.mass_rigid(), added=vehicle.mass_added()),
-    ]
+    hull = hull_shapes(vehicle)
+    links = [Link(name=VEHICLE, rigid=vehicle.mass_rigid(), added=vehicle.mass_added())]
     ground = Shape(name="bottom", kind="ground", friction=friction)
     shapes, touching = [*hull, ground], ["bottom"]
     pairs = []
@@ -145,11 +131,6 @@ def _mechanism(vehicle: Vehicle, box: TargetBox | None) -> Mechanism:
         touching.append("box")
     pairs += [(piece.name, other) for piece in hull for other in touching]
     return Mechanism(links=links, shapes=shapes, pairs=pairs)
-
-
-def _point(values: Iterable[float]) -> Point:
-    x, y, z = values
-    return x, y, z
 
 
 @njit(cache=True, error_model="numpy")

@@ -4,14 +4,13 @@ from numba import njit
 
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Model, State, Work
-from seamark.sim.multibody.tree import FREE, REVOLUTE, WORLD
+from seamark.sim.multibody.tree import FREE, REVOLUTE, WORLD, in_parent
 from seamark.sim.multibody.vectors import (
     Vector,
     cross,
     minus,
     plus,
     put,
-    rotate,
     rotate_back,
     three,
     times,
@@ -52,9 +51,7 @@ def write_loads(timing: Timing, model: Model, state: State, work: Work, out: Arr
 def _hand_on(i: int, parent: int, work: Work) -> None:
     """Add to a parent what a link needs."""
     frames = work.frames
-    force = rotate(frames.turned, i, three(frames.twist, i, 0))
-    torque = rotate(frames.turned, i, three(frames.twist, i, 3))
-    torque = plus(torque, cross(three(frames.arm, i, 0), force))
+    force, torque = in_parent(i, three(frames.twist, i, 0), three(frames.twist, i, 3), frames)
     for a in range(3):
         frames.twist[parent, a] += force[a]
         frames.twist[parent, 3 + a] += torque[a]

@@ -311,7 +311,7 @@ def _pass_wrench(i: int, structure: Structure, links: Links, to: Frames) -> None
         return
     to.bias[first] = dot(three(links.axis, i, 0), three(to.wrench, i, _part(structure.joint[i])))
     if parent != WORLD:
-        force, torque = _in_parent(i, three(to.wrench, i, 0), three(to.wrench, i, 3), to)
+        force, torque = in_parent(i, three(to.wrench, i, 0), three(to.wrench, i, 3), to)
         for a in range(3):
             to.wrench[parent, a] += force[a]
             to.wrench[parent, 3 + a] += torque[a]
@@ -324,8 +324,8 @@ def _part(joint: int) -> int:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _in_parent(i: int, force: Vector, torque: Vector, to: Frames) -> tuple[Vector, Vector]:
-    """Return a wrench about the origin of link i about that of its parent, in its axes."""
+def in_parent(i: int, force: Vector, torque: Vector, to: Frames) -> tuple[Vector, Vector]:
+    """Return a wrench about the origin of link i about that of its parent, in the parent's axes."""
     force, torque = rotate(to.turned, i, force), rotate(to.turned, i, torque)
     return force, plus(torque, cross(three(to.arm, i, 0), force))
 
@@ -408,7 +408,7 @@ def _write_joint_mass(i: int, structure: Structure, links: Links, to: Frames) ->
     to.factor[first, first] = dot(three(to.six, 0, part), (x, y, z)) + links.rotor[i]
     link = i
     while structure.parent[link] != WORLD:
-        force, torque = _in_parent(link, three(to.six, 0, 0), three(to.six, 0, 3), to)
+        force, torque = in_parent(link, three(to.six, 0, 0), three(to.six, 0, 3), to)
         put(to.six, 0, 0, force)
         put(to.six, 0, 3, torque)
         link = structure.parent[link]

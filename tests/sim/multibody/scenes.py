@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 
+from seamark.sim.multibody.assembly import vehicle_link
 from seamark.sim.multibody.mechanism import (
     Coupling,
     Friction,
@@ -16,7 +17,7 @@ from seamark.sim.multibody.mechanism import (
 )
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.terrain import Bottom
-from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle, load
+from seamark.sim.vehicles import STANDARD_GRAVITY, load
 
 STEP_S = 0.002
 DENSITY = 1000.0
@@ -77,22 +78,6 @@ def rod(
     )
 
 
-def hull_of(vehicle: Vehicle) -> Link:
-    """The first link: a vehicle as the plant knows it."""
-    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
-    centres = zip(vehicle.centre_of_gravity.value, vehicle.centre_of_buoyancy.value, strict=True)
-    x, y, z = (weight * g - buoyancy * b for g, b in centres)
-    return Link(
-        name="vehicle",
-        rigid=vehicle.mass_rigid(),
-        added=vehicle.mass_added(),
-        net_weight=weight - buoyancy,
-        moment=(x, y, z),
-        linear=vehicle.linear_drag(),
-        quadratic=vehicle.quadratic_drag(),
-    )
-
-
 def arm() -> list[Link]:
     """Four joints, and two jaws that close on each other."""
     pitch, roll, yaw = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -123,7 +108,7 @@ def vehicle_with_arm(*, valve_torque: float | None = None) -> Mechanism:
     vehicle = load("bluerov2-heavy")
     parts = arm()
     mechanism = Mechanism(
-        links=[hull_of(vehicle), *parts],
+        links=[vehicle_link(vehicle), *parts],
         motors=[Motor(link=part.name, effort=9.0) for part in parts if part.name != "right"],
         frictions=[Friction(link=part.name, resting=0.3, sliding=0.25) for part in parts],
         couplings=[Coupling(link="right", other="left", ratio=-1.0)],

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from seamark.sim.multibody.assembly import vehicle_link
 from seamark.sim.multibody.mechanism import Link, Mechanism, command_for, state_for, work_for
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import State, advance
@@ -16,7 +17,7 @@ from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.pose import write_pose
 from seamark.sim.vehicles import load
-from tests.sim.multibody.scenes import GROUND, hull_of, vehicle_with_arm
+from tests.sim.multibody.scenes import GROUND, vehicle_with_arm
 
 Complex = NDArray[np.complex128]
 STEP_S = 1.0  # the change of the speeds is the acceleration, without a rounding error
@@ -251,7 +252,7 @@ def test_accelerations_are_those_of_lagranges_equations(
 def test_a_vehicle_without_an_arm_accelerates_as_the_plant(name: str, shear: Shear | None) -> None:
     vehicle = load(name)
     current = Current(0.4, shear=shear, rng=rng(1), duration_s=5.0)
-    mechanism = Mechanism(links=[hull_of(vehicle)], allocation=vehicle.allocation())
+    mechanism = Mechanism(links=[vehicle_link(vehicle)], allocation=vehicle.allocation())
     plant = Plant(vehicle, current, step_s=0.5 * STEP_S)
     plant.reset(np.array([0.3, -0.2, 8.0, 0.2, -0.1, 0.6]))
     plant.state[7:13] = 0.3, -0.2, 0.25, 0.2, 0.3, -0.4
