@@ -22,13 +22,14 @@ SCRIPTS = (
     '"><svg onload=alert(1)>',
     "' onmouseover='alert(1)",
     "javascript:alert(1)",
-    "{{ 7 * 191 }}${7 * 191}",
+    "{{ 7919 * 104729 }}${7919 * 104729}",
     "<!--<script>",
     "]]><script>alert(1)</script>",
     "<iframe srcdoc='<script>alert(1)</script>'>",
     "<base href=//evil.example>",
     "<style>@import'//evil.example'</style>",
 )
+EVALUATED = str(7919 * 104729)  # long: a random token of a page should not hold it
 FORMULAS = (
     *("=1+1", "+1+1", "-1+1", "@SUM(1)", "\t=1+1", "\r=1+1", "\n=1+1"),
     *(" =1+1", "  @SUM(1)", "\u3000=1+1"),
@@ -86,7 +87,7 @@ def test_no_stored_text_becomes_markup(site: Site) -> None:
             markup = Markup()
             markup.feed(page)
             found += [(text, path, what) for what in markup.found]
-            found += [(text, path, "evaluated")] * ("1337" in page)
+            found += [(text, path, "evaluated")] * (EVALUATED in page)
 
     assert found == []
 
