@@ -22,8 +22,9 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.physics import constants
 from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
-from seamark.sim.vehicles.linkage import TOUCHING, Body, Linkage, LinkData, Place, Touchable
+from seamark.sim.vehicles.linkage import TOUCHING, Body, Linkage, LinkData, Touchable
 from seamark.sim.vehicles.matrices import applied, multiplied, quaternion_of, shifted, turned
+from seamark.sim.vehicles.model import Place
 
 VEHICLE = "vehicle"
 BOTTOM = "bottom"

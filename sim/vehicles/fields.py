@@ -61,6 +61,17 @@ def number(meaning: str, unit: str, **limits: float) -> Slot:
     return Slot(meaning, unit, range(1, 2), **limits)
 
 
+def not_given(slot: Slot, value: float = 0.0) -> Quantity:
+    """Return what stands for a quantity that is not given."""
+    return Quantity(
+        meaning=slot.meaning,
+        value=(value,) * slot.counts[0],
+        unit=slot.unit,
+        tag="E",
+        source="not given",
+    )
+
+
 def unit_of(text: str) -> str:
     """Return a unit as this project writes it, such as "kg m²" for "kg*m^2"."""
     for written, ours in (("^2", "²"), ("**2", "²"), ("*", " "), ("·", " ")):
@@ -213,12 +224,19 @@ class Fields:
     def name(self, document: Table) -> str:
         """Return the name that the document's thing is chosen by."""
         name = self.text("", document, "name")
-        if name and (len(name) > NAME_MAX or not _NAME.fullmatch(name)):
-            self.wrong(
-                f"name must be at most {NAME_MAX} small letters, digits and single hyphens between "
-                f"them, not {quoted(name)}."
-            )
+        if name:
+            self.is_name("name", name)
         return name
+
+    def is_name(self, path: str, name: str) -> bool:
+        """Return whether a vehicle, an arm or a thing can have this name; refuse it if not."""
+        good = len(name) <= NAME_MAX and _NAME.fullmatch(name) is not None
+        if not good:
+            self.wrong(
+                f"{path} must be at most {NAME_MAX} small letters, digits and single hyphens "
+                f"between them, not {quoted(name)}."
+            )
+        return good
 
     def text(self, path: str, table: Table, key: str) -> str:
         """Return a text of one line."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.vehicles.matrices import shifted
-from seamark.sim.vehicles.model import Quantity
+from seamark.sim.vehicles.model import Place, Quantity
 from seamark.sim.vehicles.solids import Solid
 
 Point = tuple[float, float, float]
@@ -29,14 +29,6 @@ TOUCHING = frozenset(
         frozenset({"cylinder", "socket"}),
     }
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """Where axes are in others: at a point, turned by roll, then pitch, then yaw."""
-
-    point: Quantity  # (3,) [m]
-    turn: Quantity  # (3,) [rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

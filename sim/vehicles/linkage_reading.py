@@ -17,9 +17,9 @@ from seamark.sim.vehicles.fields import (
     FileInvalid,
     Slot,
     Table,
+    not_given,
     number,
     quoted,
-    vector,
 )
 from seamark.sim.vehicles.linkage import (
     TOUCHING,
@@ -28,12 +28,11 @@ from seamark.sim.vehicles.linkage import (
     Kind,
     Linkage,
     LinkData,
-    Place,
     ShapeKind,
     Spot,
     Touchable,
 )
-from seamark.sim.vehicles.model import Quantity
+from seamark.sim.vehicles.place_fields import PLACE_KEYS, read_place
 from seamark.sim.vehicles.solid_fields import read_solid
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
@@ -45,9 +44,8 @@ _TOP = (
     *("format", "kind", "name", "title", "summary", "sources", "links", "touches", "outer"),
     *("hull", "camera", "force_sensor"),
 )
-_JOINT = ("kind", "place", "turn")
+_JOINT = ("kind", *PLACE_KEYS)
 _MOVING = (*_JOINT, "axis", "range", "effort", "speed", "friction", "rotor", "follows")
-_POINT, _TURN = vector("place", "m"), vector("turn", "rad")
 _SIZES: Mapping[ShapeKind, int] = {"capsule": 2, "box": 3, "cylinder": 2, "socket": 3}
 _NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9 -]{{0,{NAME_MAX - 1}}}")
 _TAKEN = ("vehicle", "bottom")  # by what an arm hangs on and lies on
@@ -163,16 +161,9 @@ class _Reader(Fields):
         entries = self.tables(path, entry, key, most) if key in entry else []
         return [(f"{path}.{key} {at}", one) for at, one in enumerate(entries, start=1)]
 
-    def _place(self, path: str, table: Table) -> Place:
-        point, turn = (
-            self.quantity(path, table, key, slot) if key in table else _nothing(slot)
-            for key, slot in (("place", _POINT), ("turn", _TURN))
-        )
-        return Place(point=point, turn=turn)
-
     def _joint(self, path: str, table: Table) -> Joint:
         kind: JointKind = self.choice(f"{path}.kind", table.get("kind"), get_args(JointKind))  # type: ignore[assignment]
-        place = self._place(path, table)
+        place = read_place(self, path, table)
         if kind in ("fixed", "free"):
             self.known(path, table, _JOINT)
             return Joint(kind=kind, place=place)
@@ -219,16 +210,16 @@ class _Reader(Fields):
         return self.text(path, inner, "link"), ratio
 
     def _shape(self, path: str, entry: Table) -> Touchable:
-        self.known(path, entry, ("name", "kind", "place", "turn", "size", "friction"))
+        self.known(path, entry, ("name", "kind", *PLACE_KEYS, "size", "friction"))
         kind: ShapeKind = self.choice(f"{path}.kind", entry.get("kind"), tuple(_SIZES))  # type: ignore[assignment]
         count = range(_SIZES[kind], _SIZES[kind] + 1)
-        friction = _nothing(_FRICTION, 0.5)
+        friction = not_given(_FRICTION, 0.5)
         if "friction" in entry:
             friction = self.quantity(path, entry, "friction", _FRICTION)
         return Touchable(
             name=self.text(path, entry, "name"),
             kind=kind,
-            place=self._place(path, entry),
+            place=read_place(self, path, entry),
             size=self.quantity(path, entry, "size", Slot("size", "m", count, above=0.0)),
             friction=friction,
         )
@@ -269,8 +260,8 @@ class _Reader(Fields):
         if key not in self.document:
             return None
         table = self.table("", self.document, key, required=True)
-        self.known(key, table, ("link", "place", "turn"))
-        spot = Spot(link=self.text(key, table, "link"), place=self._place(key, table))
+        self.known(key, table, ("link", *PLACE_KEYS))
+        spot = Spot(link=self.text(key, table, "link"), place=read_place(self, key, table))
         if spot.link not in links:
             self.wrong(f"{key}.link: there is no link {quoted(spot.link)}.")
         return spot
@@ -286,17 +277,6 @@ def _joint_slots(turning: bool) -> dict[str, Slot]:
         "friction": Slot("friction to break away, and in motion", effort, range(2, 3), low=0.0),
         "rotor": number("inertia of the motor, as the joint feels it", inertia, low=0.0),
     }
-
-
-def _nothing(slot: Slot, value: float = 0.0) -> Quantity:
-    """Return what stands for a quantity that is not given."""
-    return Quantity(
-        meaning=slot.meaning,
-        value=(value,) * slot.counts[0],
-        unit=slot.unit,
-        tag="E",
-        source="not given",
-    )
 
 
 def _check_tree(fields: Fields, links: Sequence[LinkData]) -> None:

@@ -48,6 +48,14 @@ class Quantity:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where axes are in others: at a point, turned by roll, then pitch, then yaw."""
+
+    point: Quantity  # (3,) [m]
+    turn: Quantity  # (3,) [rad]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Thruster:
     """A thruster: positive thrust pushes the vehicle along `direction`."""
 
@@ -94,7 +102,8 @@ class Vehicle:
     `added_mass`, `drag_linear` and `drag_quadratic` are groups that together have six numbers:
     x, y, z, roll, pitch, yaw. They are positive; Fossen's derivatives are their negatives.
     `defaults` are configuration values that are set when this vehicle is chosen. `solids` and
-    `nozzle_radius_m` are what it looks like, without effect on a run.
+    `nozzle_radius_m` are what it looks like, without effect on a run. `mounts` say where an arm of
+    that name is put, in the body frame.
     """
 
     name: str
@@ -117,6 +126,7 @@ class Vehicle:
     defaults: Mapping[str, object] = field(default_factory=dict)
     solids: tuple[Solid, ...] = ()  # none: its hull boxes
     nozzle_radius_m: float = 0.05  # of its thrusters
+    mounts: Mapping[str, Place] = field(default_factory=dict)
 
     def quantities(self) -> Iterator[tuple[str, Quantity]]:
         """Yield every number of the vehicle with a readable name, for tables and manifests."""
@@ -132,6 +142,9 @@ class Vehicle:
         for piece in self.hull:
             yield f"hull {piece.name} centre", piece.centre
             yield f"hull {piece.name} size", piece.size
+        for arm, place in self.mounts.items():
+            yield f"mount {arm}", place.point
+            yield f"mount {arm} turn", place.turn
 
     def mass_rigid(self) -> Array:
         """Return the rigid body's mass matrix about the origin, (6, 6) [kg, kg m, kg m²]."""

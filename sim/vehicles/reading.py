@@ -18,17 +18,26 @@ from seamark.sim.vehicles.fields import (
     quoted,
     vector,
 )
-from seamark.sim.vehicles.model import AXES, HullBox, Quantity, ThrustCurve, Thruster, Vehicle
+from seamark.sim.vehicles.model import (
+    AXES,
+    HullBox,
+    Place,
+    Quantity,
+    ThrustCurve,
+    Thruster,
+    Vehicle,
+)
+from seamark.sim.vehicles.place_fields import PLACE_KEYS, read_place
 from seamark.sim.vehicles.solid_fields import read_solid
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 FORMAT = 1
-THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX = 32, 64, 256, 50
+THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX, MOUNTS_MAX = 32, 64, 256, 50, 16
 COEFFICIENTS_MAX = 6  # of the compiled curve
 _SETTING = re.compile(r"[a-z][a-z0-9_]{0,60}")
 TOP_KEYS = (
     *("format", "name", "title", "summary", "extends", "sources", "body", "thrust", "thrusters"),
-    *("hull", "drawing", "defaults"),
+    *("hull", "drawing", "defaults", "mounts"),
 )
 
 
@@ -107,6 +116,7 @@ class _Reader(Fields):
             ("thrusters", self._thrusters),
             ("hull", self._hull),
             ("defaults", self._defaults),
+            ("mounts", self._mounts),
         ):
             inherited = extended is not None and key not in document
             parts[key] = getattr(extended, key) if inherited else read()
@@ -253,3 +263,19 @@ class _Reader(Fields):
             elif not isinstance(value, bool):
                 self.plain(f"defaults.{key}", value)
         return dict(table)
+
+    def _mounts(self) -> Mapping[str, Place]:
+        table = self.table("", self.document, "mounts", required=False)
+        if len(table) > MOUNTS_MAX:
+            self.wrong(f"mounts: there are {len(table)}; at most {MOUNTS_MAX} are read.")
+            return {}
+        mounts = {}
+        for arm in table:
+            if not self.is_name("mounts: the name of an arm", arm):
+                continue
+            path, entry = f"mounts.{arm}", self.table("mounts", table, arm, required=True)
+            self.known(path, entry, PLACE_KEYS)
+            if "place" not in entry:
+                self.wrong(f"{path}.place is missing: write where the arm is put.")
+            mounts[arm] = read_place(self, path, entry)
+        return mounts

@@ -1,5 +1,7 @@
 """Vehicles with arms and things from data: they weigh, hang, move and touch as their files say."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -10,11 +12,12 @@ from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Model, State, advance
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.terrain import Bottom
-from seamark.sim.registry import ARMS, THINGS
+from seamark.sim.registry import ARMS, THINGS, VEHICLES
 from seamark.sim.vehicles import STANDARD_GRAVITY, Quantity, load
-from seamark.sim.vehicles.linkage import TOUCHING, Place
+from seamark.sim.vehicles.linkage import TOUCHING
 from seamark.sim.vehicles.linkage_reading import load_linkage, read_linkage
 from seamark.sim.vehicles.matrices import quaternion_of
+from seamark.sim.vehicles.model import Place
 from tests.sim.multibody.scenes import STEP_S
 
 TIMING = Timing(STEP_S, 10)
@@ -78,6 +81,31 @@ def test_an_arm_that_is_told_to_rest_stays_where_it_is(name: str) -> None:
     run(model, state, 2.0)
 
     assert state.q[7:] == pytest.approx(before, abs=1e-3)
+
+
+MOUNTS = [(name, arm) for name in VEHICLES for arm in load(name).mounts]
+
+
+@pytest.mark.parametrize(("name", "arm"), MOUNTS)
+def test_an_arm_where_a_vehicle_of_ours_carries_it_does_not_start_in_the_hull(
+    name: str, arm: str
+) -> None:
+    vehicle = load(name)
+    mounting = Mounting(linkage=load_linkage(arm), place=vehicle.mounts[arm], on_vehicle=True)
+    assembly = assemble(vehicle, [mounting], bottom=False)
+    mechanism = assembly.mechanism
+    hull = [shape.name for shape in mechanism.shapes if shape.link == VEHICLE][: len(vehicle.hull)]
+    moving = [shape.name for shape in mechanism.shapes if shape.link != VEHICLE]
+    mechanism.pairs = list(product(moving, hull))
+    model, state = mechanism.model(STEP_S), assembly.state(mechanism.model(STEP_S))
+    work = work_for(model)
+
+    tree.place(model.structure, model.links, state.q, work.frames)
+    contacts.place_shapes(model.shapes, work.frames, work.touches)
+    contacts.find_touches(model.shapes, GROUND, work.touches)
+
+    assert moving
+    assert work.touches.gap.min() > 0.0
 
 
 def test_a_motor_stops_at_the_end_of_its_range() -> None:

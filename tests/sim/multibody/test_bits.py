@@ -37,7 +37,7 @@ import numpy as np
 from seamark.sim.multibody.assembly import Mounting, assemble
 from seamark.sim.registry import ARMS, THINGS
 from seamark.sim.vehicles import Quantity, load
-from seamark.sim.vehicles.linkage import Place
+from seamark.sim.vehicles.model import Place
 from seamark.sim.vehicles.linkage_reading import load_linkage
 
 point, turn = (

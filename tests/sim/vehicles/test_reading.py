@@ -58,10 +58,11 @@ def changed(before: str, after: str) -> str:
 
 
 def content_of(value: Any) -> Any:
-    """Return a vehicle as JSON, as it was before quantities had a spread."""
+    """Return a vehicle as JSON, as it was before quantities had a spread and arms their places."""
     match value:
         case dict():
-            return {key: content_of(one) for key, one in value.items() if key != "spread"}
+            old = value.keys() - {"spread", "mounts"}
+            return {key: content_of(one) for key, one in value.items() if key in old}
         case list() | tuple():
             return [content_of(one) for one in value]
     return value
@@ -105,6 +106,37 @@ def test_a_spread_is_read_for_each_number() -> None:
     spread = read(wide).drag_quadratic[0].spread
 
     assert spread == ((18.0, 21.0, 36.0), (142.0, 218.0, 244.0))
+
+
+def test_a_file_says_where_an_arm_is_put() -> None:
+    mount = """[mounts.my-arm]
+place = { value = [0.3, 0, 0.1], unit = "m", tag = "E", reason = "a ruler" }
+"""
+
+    mine, base = read(EXTENDING + mount), read(EXTENDING)
+
+    assert mine.mounts["my-arm"].point.value == (0.3, 0.0, 0.1)
+    assert mine.mounts["my-arm"].turn.value == (0.0, 0.0, 0.0)
+    assert ("mount my-arm", mine.mounts["my-arm"].point) in list(mine.quantities())
+    assert base.mounts == load("girona500").mounts
+
+
+MISPLACED = {
+    "no place": ("[mounts.hook]\n", "mounts.hook.place is missing"),
+    "no table": ("mounts = { hook = 3 }\n", "mounts.hook is no table"),
+    "a key": ("[mounts.hook]\nplce = 1\n", "did you mean place?"),
+    "a name": (
+        '[mounts."My arm"]\n',
+        "mounts: the name of an arm must be at most 40 small letters",
+    ),
+    "a long name": (f"[mounts.{1500 * 'a'}]\n", "mounts: the name of an arm must be at most 40"),
+    "many": ("".join(f"[mounts.a{i}]\n" for i in range(17)), "mounts: there are 17; at most 16"),
+}
+
+
+@pytest.mark.parametrize(("text", "sentence"), MISPLACED.values(), ids=MISPLACED)
+def test_a_mistake_in_the_place_of_an_arm_is_a_sentence(text: str, sentence: str) -> None:
+    assert sentence in refused(EXTENDING + text)
 
 
 @pytest.mark.parametrize("written", ["kg m²", "kg m^2", "kg*m^2", "kg·m²", " kg  m**2 "])

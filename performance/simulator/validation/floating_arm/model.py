@@ -15,8 +15,8 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.terrain import Bottom
 from seamark.sim.vehicles import Quantity, load
-from seamark.sim.vehicles.linkage import Place
 from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.model import Place
 
 VEHICLE, ARM = "bluerov2-heavy-v2", "alpha-like"
 BASE_ZERO = 3.136  # [rad] axis e when the arm points ahead, as `frames` finds it
