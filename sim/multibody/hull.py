@@ -21,7 +21,7 @@ from seamark.sim.multibody.mechanism import (
 )
 from seamark.sim.multibody.solver import Constraints, Moving, Timing, apply_impulses
 from seamark.sim.multibody.step import Command, Model, State, Work, move_coordinates, move_freely
-from seamark.sim.multibody.tree import factorise, place, write_bias, write_mass
+from seamark.sim.multibody.tree import place
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.compilation import SameTypes
@@ -153,10 +153,7 @@ def push_hull(
     for i in range(6):
         v[i] = after[7 + i]
     place(structure, model.links, q, frames)
-    write_bias(structure, model.links, v, work.wrench, frames)
-    write_mass(structure, model.links, frames)
-    factorise(structure, frames)
-    move_freely(step_s, structure, v, frames, work)
+    move_freely(step_s, structure, model.links, v, work)
     for i in range(6):
         v[i] = after[7 + i]  # the plant has moved the vehicle
     place_shapes(model.shapes, frames, work.touches)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -16,6 +16,8 @@ from seamark.sim.multibody.step import Command, Model, State, Thrusters, Work
 from seamark.sim.multibody.tree import WORLD, Links, Structure, frames_for
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.libm import exp
+from seamark.sim.numerics.linear_algebra import inverse
+from seamark.sim.vehicles.matrices import shifted
 
 Point = tuple[float, float, float]
 _JOINTS = {"free": tree.FREE, "revolute": tree.REVOLUTE, "prismatic": tree.PRISMATIC}
@@ -129,11 +131,20 @@ class Mechanism:
     lag_s: float = 0.1
 
     def model(self, step_s: float) -> Model:
-        """Return the mechanism as compiled code reads it."""
+        """Return the mechanism as compiled code reads it.
+
+        Raises
+        ------
+        ValueError
+            With a sentence: names are missing or doubled, a link comes before its parent, a row is
+            of a joint that is none, or contact of a pair is not known.
+        """
+        for mistake in self._mistakes():
+            raise ValueError(mistake)
         structure = self._structure()
         return Model(
             structure=structure,
-            links=self._links(),
+            links=self._links(step_s),
             shapes=self._shapes(),
             rows=self._rows(structure),
             thrusters=Thrusters(
@@ -147,6 +158,47 @@ class Mechanism:
         if name is None:
             return WORLD
         return next(i for i, link in enumerate(self.links) if link.name == name)
+
+    def _mistakes(self) -> Iterator[str]:
+        """Yield what a description must not have, in sentences."""
+        joints = {link.name: link.joint for link in self.links}
+        yield from _doubled("links", [link.name for link in self.links])
+        yield from self._misplaced_links(joints)
+        for what, part, name in self._ties():
+            if joints.get(name, "free") == "free":
+                why = "is free" if name in joints else "does not exist"
+                yield f"{what} of {part} needs the joint of {name}, which {why}"
+        for tie in self.couplings:
+            if tie.link == tie.other:
+                yield f"the joint of {tie.link} cannot follow itself"
+        yield from self._unknown_shapes(joints)
+
+    def _misplaced_links(self, joints: Collection[str]) -> Iterator[str]:
+        above: set[str | None] = {None}
+        for link in self.links:
+            if link.parent not in above:
+                why = "must come before it" if link.parent in joints else "is no link"
+                yield f"the link {link.name} hangs on {link.parent}, which {why}"
+            if link.parent is not None and link.joint == "free":
+                yield f"the link {link.name} is free, so it cannot hang on {link.parent}"
+            above.add(link.name)
+
+    def _unknown_shapes(self, links: Collection[str]) -> Iterator[str]:
+        names = [shape.name for shape in self.shapes]
+        yield from _doubled("shapes", names)
+        for shape in self.shapes:
+            if shape.link is not None and shape.link not in links:
+                yield f"the shape {shape.name} is on {shape.link}, which is no link"
+        for name in (name for pair in self.pairs for name in pair if name not in names):
+            yield f"there is no shape {name} that could touch anything"
+
+    def _ties(self) -> Iterator[tuple[str, str, str]]:
+        """Yield each row's kind, its link, and the link whose joint it needs."""
+        yield from (("a motor", part.link, part.link) for part in self.motors)
+        yield from (("friction", part.link, part.link) for part in self.frictions)
+        yield from (("a limit", part.link, part.link) for part in self.limits)
+        for tie in self.couplings:
+            yield from (("a coupling", tie.link, name) for name in (tie.link, tie.other))
 
     def _structure(self) -> Structure:
         parent = [self.number(link.parent) for link in self.links]
@@ -174,7 +226,7 @@ class Mechanism:
                 owner.append(i)
         return Structure(*map(_integers, (parent, joint, coordinate, speed, root, above, owner)))
 
-    def _links(self) -> Links:
+    def _links(self, step_s: float) -> Links:
         parts = self.links
         return Links(
             axis=np.array([link.axis for link in parts], dtype=np.float64),
@@ -188,6 +240,7 @@ class Mechanism:
             linear=np.array([link.linear for link in parts], dtype=np.float64),
             quadratic=np.array([link.quadratic for link in parts], dtype=np.float64),
             centre=np.array([link.centre for link in parts], dtype=np.float64),
+            steepest=np.array([_inertia(link) / step_s for link in parts]),
         )
 
     def _shape_number(self, name: str) -> int:
@@ -292,6 +345,20 @@ class _JointRow:
     most: float = 0.0
     sliding: float = 0.0
     stiffness: float = 1.0
+
+
+def _doubled(what: str, names: Sequence[str]) -> Iterator[str]:
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        yield f"two {what} have the same name: {name}"
+
+
+def _inertia(link: Link) -> Array:
+    """Return what a link resists a push with along and about the axes of its drag, alone, (6,)."""
+    try:
+        moved = inverse(shifted(link.rigid + link.added, [-x for x in link.centre]))
+    except ValueError:
+        return np.full(6, np.inf)  # it has no mass in some direction: others must carry it
+    return 1.0 / np.diag(moved)
 
 
 def _integers(values: Sequence[int]) -> Integers:

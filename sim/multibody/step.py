@@ -23,10 +23,11 @@ from seamark.sim.multibody.tree import (
     factorise,
     place,
     solve,
+    turn_at_the_middle,
     write_bias,
     write_mass,
 )
-from seamark.sim.multibody.vectors import cross, rotate, rotate_back, times
+from seamark.sim.multibody.vectors import cross, dot, plus, rotate, rotate_back, times
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import like, sqrt
@@ -76,7 +77,7 @@ class Work(NamedTuple):
     wrench: Array  # (6,)
     x: Array  # (n,)
     before: Array  # (n,) speeds at the beginning of the step
-    acceleration: Array  # (n,) of the last step relative to the water [m/s², rad/s²]
+    acceleration: Array  # (n,) v' of the last step, see `tree`, relative to the water
 
 
 @njit(cache=True, error_model="numpy")
@@ -118,13 +119,10 @@ def take_step(
     place(structure, model.links, state.q, frames)
     _write_streams(middle, structure, water_and_segment, frames)
     _write_push(model.thrusters, state.thrust, command.thrust, work.wrench)
-    write_bias(structure, model.links, state.v, work.wrench, frames)
-    write_mass(structure, model.links, frames)
-    factorise(structure, frames)
     free, before = work.x, work.before
     for j in range(before.size):
         before[j] = state.v[j]
-    move_freely(step_s, structure, state.v, frames, work)
+    move_freely(step_s, structure, model.links, state.v, work)
     for j in range(free.size):
         free[j] = state.v[j]
     place_shapes(model.shapes, frames, work.touches)
@@ -165,28 +163,31 @@ def _write_push(thrusters: Thrusters, thrust: Array, target: Array, wrench: Arra
         wrench[i] = push
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def move_freely(step_s: float, structure: Structure, v: Array, frames: Frames, work: Work) -> None:
-    """Change the speeds by a step without motors, joint friction and contacts."""
-    x = work.x
+@njit(cache=True, error_model="numpy")
+def move_freely(step_s: float, structure: Structure, links: Links, v: Array, work: Work) -> None:
+    """Change the speeds by a step without motors, joint friction and contacts.
+
+    `place` has been called, `work.wrench` is the push of the thrusters. The speeds of a free link
+    remain in its axes of the step's beginning.
+    """
+    frames, acceleration = work.frames, work.acceleration
+    write_bias(structure, links, v, work.wrench, frames)
+    write_mass(structure, links, frames)
+    factorise(structure, frames)
+    turn_at_the_middle(step_s, structure, frames)
     for j in range(v.size):
-        x[j] = -frames.bias[j]
-    solve(structure, frames, x)
+        acceleration[j] = -frames.bias[j]
+    solve(structure, frames, acceleration)
     for j in range(v.size):
-        work.acceleration[j] = x[j]
+        v[j] += step_s * acceleration[j]
     for i in range(structure.parent.size):
-        if structure.joint[i] != FREE:
-            continue
-        # Acceleration of the water in the link's turning axes.
-        at = structure.speed[i]
-        zero = like(frames.stream[i, 0], 0.0)
-        moving = rotate_back(frames.rotation, i, (frames.stream[i, 0], frames.stream[i, 1], zero))
-        rise = rotate_back(frames.rotation, i, (frames.stream[i, 2], frames.stream[i, 3], zero))
-        turning = cross((v[at + 3], v[at + 4], v[at + 5]), moving)
-        for a in range(3):
-            x[at + a] += rise[a] - turning[a]
-    for j in range(v.size):
-        v[j] += step_s * x[j]
+        if structure.joint[i] == FREE:
+            at = structure.speed[i]
+            zero = like(frames.stream[i, 0], 0.0)
+            water = (frames.stream[i, 2], frames.stream[i, 3], zero)
+            rise = rotate_back(frames.rotation, i, water)
+            for a in range(3):
+                v[at + a] += step_s * rise[a]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -211,5 +212,12 @@ def move_coordinates(step_s: float, structure: Structure, state: State, frames: 
         y_new = y + w * turn_y + z * turn_x - x * turn_z
         z_new = z + w * turn_z + x * turn_y - y * turn_x
         length = sqrt(w_new * w_new + x_new * x_new + y_new * y_new + z_new * z_new)
+        # The same turn takes the velocity into the new axes.
+        turn, linear = (turn_x, turn_y, turn_z), (v[s], v[s + 1], v[s + 2])
+        scale = 2.0 / (1.0 + dot(turn, turn))
+        past = cross(linear, turn)
+        back = plus(past, cross(past, turn))
+        for a in range(3):
+            v[s + a] += scale * back[a]
         q[c + 3], q[c + 4] = w_new / length, x_new / length
         q[c + 5], q[c + 6] = y_new / length, z_new / length

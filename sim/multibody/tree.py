@@ -5,7 +5,9 @@
 Composite rigid bodies give H, recursive Newton-Euler gives c, and H is factored as L^T D L, which
 has no fill-in when a joint is eliminated before its ancestors (Featherstone 2008, ch. 5 to 8). Each
 link has a 6x6 mass of its own, rigid and added, which need not be a rigid body's. Twists are
-(linear, angular) of the link's origin in the link's axes (Fossen 2021), wrenches likewise.
+(linear, angular) of the link's origin in the link's axes (Fossen 2021), wrenches likewise. v' of a
+free link is the acceleration of its origin, not the change of the numbers of its twist, which also
+change because the axes turn: `step.move_coordinates` does that.
 
 Everything is written in a frame that moves with the water, as in `physics.dynamics`: the world
 then moves with minus the current, so a link that is fixed to the world needs nothing special. If
@@ -29,6 +31,7 @@ from seamark.sim.multibody.vectors import (
     put,
     rotate,
     rotate_back,
+    smaller,
     three,
     times,
 )
@@ -72,6 +75,7 @@ class Links(NamedTuple):
     linear: Array  # (k, 6) drag [N s/m, N m s] about `centre`
     quadratic: Array  # (k, 6) [N s²/m², N m s²]
     centre: Array  # (k, 3) [m] the point of the link whose velocity gives the drag
+    steepest: Array  # (k, 6) [N s/m, N m s] most drag per speed that a step can follow
 
 
 class Frames(NamedTuple):
@@ -212,8 +216,9 @@ def _move_root(i: int, first: int, v: Array, to: Frames) -> None:
     for a in range(3):
         to.twist[i, a] = v[first + a] - moving[a]
         to.twist[i, 3 + a] = v[first + 3 + a]
-        to.acceleration[i, a] = 0.0
         to.acceleration[i, 3 + a] = 0.0
+    turning = cross(three(to.twist, i, 0), three(to.twist, i, 3))
+    put(to.acceleration, i, 0, turning)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -266,10 +271,10 @@ def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) ->
     torque = plus(three(six, 1, 3), plus(cross(rates, spin), cross(linear, push)))
     centre = three(links.centre, i, 0)
     past = plus(linear, cross(rates, centre))
-    drag = _drag(links.linear, links.quadratic, i, 0, past)
+    drag = _drag(links, i, 0, past)
     force = plus(force, drag)
     torque = plus(torque, cross(centre, drag))
-    torque = plus(torque, _drag(links.linear, links.quadratic, i, 3, rates))
+    torque = plus(torque, _drag(links, i, 3, rates))
     # Vertical motion through sheared flow: only the added mass feels it, see `physics.dynamics`.
     zero = like(linear[0], 0.0)
     sinking = dot((to.rotation[i, 2, 0], to.rotation[i, 2, 1], to.rotation[i, 2, 2]), linear)
@@ -290,15 +295,21 @@ def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) ->
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _drag(linear: Array, quadratic: Array, i: int, first: int, v: Vector) -> Vector:
+def _drag(links: Links, i: int, first: int, v: Vector) -> Vector:
     """Return the drag of link i along three axes, as what the water takes from it."""
     x, y, z = v
-    a, b = linear, quadratic
     return (
-        (a[i, first] + b[i, first] * abs(x)) * x,
-        (a[i, first + 1] + b[i, first + 1] * abs(y)) * y,
-        (a[i, first + 2] + b[i, first + 2] * abs(z)) * z,
+        _drag_per_speed(links, i, first, x) * x,
+        _drag_per_speed(links, i, first + 1, y) * y,
+        _drag_per_speed(links, i, first + 2, z) * z,
     )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _drag_per_speed(links: Links, i: int, at: int, speed: float) -> float:
+    """Return drag over speed, at most as much as stops the link in a step."""
+    wanted = links.linear[i, at] + links.quadratic[i, at] * abs(speed)
+    return smaller(wanted, links.steepest[i, at])
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -478,3 +489,60 @@ def solve(structure: Structure, to: Frames, x: Array) -> None:
         while j >= 0:
             x[i] -= factor[i, j] * x[j]
             j = above[j]
+
+
+@njit(cache=True, error_model="numpy")
+def turn_at_the_middle(step_s: float, structure: Structure, to: Frames) -> None:
+    """Let the bias of each tree as a whole be that of the middle of a step; H is factored.
+
+    Forces that turn a momentum, taken from a step's beginning, would add energy to what tumbles.
+    """
+    for i in range(structure.parent.size):
+        if structure.joint[i] != FREE:
+            continue
+        first = structure.speed[i]
+        for a in range(6):
+            to.six[2, a] = to.twist[i, a]
+        _write_turning(i, 0, to)
+        _answer(first, to)
+        for a in range(6):
+            to.six[2, a] = to.twist[i, a] + 0.5 * step_s * to.six[2, a]
+        _write_turning(i, 1, to)
+        for a in range(6):
+            change = to.six[1, a] - to.six[0, a]
+            to.bias[first + a] += change
+            to.wrench[i, a] += change
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _answer(first: int, to: Frames) -> None:
+    """Write the acceleration of a free link to the bias six[0] to six[2]: `solve` of its part."""
+    x, h = to.six, to.factor
+    for a in range(6):
+        x[2, a] = -x[0, a]
+    for a in range(5, -1, -1):
+        for b in range(a):
+            x[2, b] -= h[first + a, first + b] * x[2, a]
+    for a in range(6):
+        scale = to.inverse_scale[first + a]
+        x[2, a] = (x[2, a] * scale) * scale
+        for b in range(a):
+            x[2, a] -= h[first + a, first + b] * x[2, b]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_turning(i: int, at: int, to: Frames) -> None:
+    """Write the bias of a tree as one body with the twist six[2] to six[at]; see `_move_root`."""
+    six, mass = to.six, to.composite
+    linear, rates = three(six, 2, 0), three(six, 2, 3)
+    turning = cross(linear, rates)
+    for a in range(6):
+        six[at, a] = like(turning[0], 0.0)
+        for b in range(6):
+            six[at, a] += mass[i, a, b] * six[2, b]
+    push, spin = three(six, at, 0), three(six, at, 3)
+    put(six, at, 0, cross(rates, push))
+    put(six, at, 3, plus(cross(rates, spin), cross(linear, push)))
+    for a in range(6):
+        for b in range(3):
+            six[at, a] += mass[i, a, b] * turning[b]
