@@ -93,7 +93,6 @@ def assemble(
         mechanism.shapes.append(Shape(name=BOTTOM, kind="ground", friction=friction))
     for mounting in mountings:
         starts |= _add_linkage(mounting, mechanism)
-    _check_names(mechanism)
     mechanism.pairs = list(_pairs(mechanism, mountings))
     motors = [
         (f"{mounting.prefix}{link.name}", link.joint.speed.scalar)
@@ -276,13 +275,6 @@ def _pairs(mechanism: Mechanism, mountings: Sequence[Mounting]) -> Iterator[tupl
         moving = shapes[a].link is not None or shapes[b].link is not None
         if moving and ("ground" in kinds or kinds in TOUCHING):
             yield a, b
-
-
-def _check_names(mechanism: Mechanism) -> None:
-    for names in ([link.name for link in mechanism.links], [one.name for one in mechanism.shapes]):
-        doubled = {name for name in names if names.count(name) > 1}
-        if doubled:
-            raise ValueError(f"two parts have the same name: {', '.join(sorted(doubled))}")
 
 
 def _rotation(place: Place) -> Array:
