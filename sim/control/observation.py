@@ -5,14 +5,17 @@ Ground truth is never part of an observation.
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.vehicles import load
+from seamark.sim.vehicles.linkage import Linkage
 
-PER_THRUSTER = -1  # as many numbers as the vehicle has thrusters; for the last field only
+# As many numbers as the vehicle has thrusters, as its arm has motors, or as its hand has feelers.
+PER_THRUSTER, PER_MOTOR, PER_FEELER = -1, -2, -3
 
 # name, count (0: a single number), unit, meaning
 FIELDS: tuple[tuple[str, int, str, str], ...] = (
@@ -35,18 +38,50 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("rates", 3, "rad/s", "p, q, r"),
     ("thrust", PER_THRUSTER, "N", "last thrust of each thruster; as many as the vehicle has"),
 )
+# What follows for a vehicle with an arm.
+ARM_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    ("joints", PER_MOTOR, "rad", "coordinate of each joint with a motor; m if it slides"),
+    ("joint_speeds", PER_MOTOR, "rad/s", "speed of each of these joints"),
+    ("joint_efforts", PER_MOTOR, "N m", "torque of each motor, from its current; N if it slides"),
+    ("wrist_force", 3, "N", "force of the arm on its hand, axes of the force sensor"),
+    ("wrist_torque", 3, "N m", "torque of the arm on its hand, axes of the force sensor"),
+    ("touch", PER_FEELER, "", "1 for each part of the hand that touches something, else 0"),
+)
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 
 
-def layout(vehicle: str) -> dict[str, Any]:
+class ArmSize(NamedTuple):
+    """How many numbers an arm adds to observation and command."""
+
+    motors: int
+    feelers: int
+
+    def count(self, of: int) -> int:
+        """Return how many numbers a field has, given its entry in `ARM_FIELDS`."""
+        return {PER_MOTOR: self.motors, PER_FEELER: self.feelers}.get(of, of)
+
+
+def arm_size(arm: Linkage) -> ArmSize:
+    """Return how many motors and feelers an arm has."""
+    return ArmSize(len(arm.motors()), len(arm.outer))
+
+
+def layout(vehicle: str, arm: Linkage | None = None) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values."""
     thrusters = len(load(vehicle).thrusters)
     fields = [
         [name, thrusters if count == PER_THRUSTER else count]
         for name, count, _unit, _meaning in FIELDS
     ]
-    return {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
+    packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
+    if arm is None:
+        return packed
+    size = arm_size(arm)
+    fields += [[name, size.count(count)] for name, count, _unit, _meaning in ARM_FIELDS]
+    speeds = [link.joint.speed for link in arm.links]
+    packed["command"] += arm.motors()
+    return packed | {"joint_limits": [speed.scalar for speed in speeds if speed]}
 
 
 def _starts() -> dict[str, int]:
@@ -58,18 +93,29 @@ def _starts() -> dict[str, int]:
 
 
 STARTS = _starts()  # name -> index of its first number
-# name -> index of a single number, or slice of a vector; that of the thrusters goes to the end
-_POSITIONS: dict[str, int | slice] = {
-    name: slice(STARTS[name], None if count == PER_THRUSTER else STARTS[name] + count)
-    if count
-    else STARTS[name]
-    for name, count, _unit, _meaning in FIELDS
-}
 
 
-def empty(thrusters: int) -> NDArray[np.float64]:
+@cache
+def _positions(arm: ArmSize | None) -> dict[str, int | slice]:
+    """Return name -> index of a single number, or slice of a vector; an arm's from the end."""
+    after = 0
+    further: dict[str, int | slice] = {}
+    for name, of, _unit, _meaning in reversed(ARM_FIELDS if arm else ()):
+        count = arm.count(of) if arm else 0
+        further[name] = slice(-after - count, -after or None)
+        after += count
+    ends = {PER_THRUSTER: -after or None}
+    own = {
+        name: slice(STARTS[name], ends.get(count, STARTS[name] + count)) if count else STARTS[name]
+        for name, count, _unit, _meaning in FIELDS
+    }
+    return own | dict(reversed(further.items()))
+
+
+def empty(thrusters: int, arm: ArmSize | None = None) -> NDArray[np.float64]:
     """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
-    return np.zeros(STARTS["thrust"] + thrusters)
+    more = sum(arm.count(of) for _name, of, _unit, _meaning in ARM_FIELDS) if arm else 0
+    return np.zeros(STARTS["thrust"] + thrusters + more)
 
 
 class Observation(Mapping[str, Any]):
@@ -80,15 +126,16 @@ class Observation(Mapping[str, Any]):
     program may keep it.
     """
 
-    __slots__ = ("_numbers",)
+    __slots__ = ("_numbers", "_positions")
 
-    def __init__(self, values: NDArray[np.float64]) -> None:
+    def __init__(self, values: NDArray[np.float64], arm: ArmSize | None = None) -> None:
+        self._positions = _positions(arm)
         self._numbers = values.copy()
         self._numbers.flags.writeable = False
 
     def __getitem__(self, name: str) -> Any:  # float, bool or array, by the layout
         """Return a field by its name."""
-        field = _POSITIONS[name]
+        field = self._positions[name]
         if isinstance(field, slice):
             return self._numbers[field]
         value = self._numbers.item(field)
@@ -103,8 +150,8 @@ class Observation(Mapping[str, Any]):
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names in the order of the layout."""
-        return iter(_POSITIONS)
+        return iter(self._positions)
 
     def __len__(self) -> int:
         """Return the number of fields."""
-        return len(_POSITIONS)
+        return len(self._positions)

@@ -11,7 +11,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import empty
+from seamark.sim.control.observation import COMMAND, empty
+from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.perception import (
     LevelConstants,
@@ -24,8 +25,9 @@ from seamark.sim.engine.perception import (
 from seamark.sim.engine.program import Autopilot, BuiltIn, CameraProgram, Command, Program
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
-from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
+from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder, width_for
 
+VEHICLE = len(COMMAND)  # numbers of a command for the vehicle; those for an arm follow
 _REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)
 Row = NDArray[np.float64]
 
@@ -72,7 +74,8 @@ class ClosedLoop:
         self._thrusters = len(world.plant.vehicle.thrusters)
         self._contact_n = 0.0
         self._pose = np.zeros(6)
-        self.observation = empty(self._thrusters)
+        self.observation = empty(self._thrusters, world.arm and world.arm.size)
+        self._arm = ArmInLoop(world.arm, self.observation) if world.arm else None
         self._step_us = 0.0
         self._constants = LevelConstants(
             trial=trial,
@@ -93,7 +96,8 @@ class ClosedLoop:
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""
-        recorder = Recorder(on_rows, thrusters=self._thrusters)
+        width = width_for(self._thrusters, arm=self._arm is not None)
+        recorder = Recorder(on_rows, width=width)
         try:
             for step in range(self._steps):
                 row = recorder.next_row()
@@ -130,8 +134,10 @@ class ClosedLoop:
         """
         if step == 0:
             self._reset()
-        row[_REFERENCE] = reference = self._program_step()
-        row[STEP_US] = self._step_us
+        reference = self._program_step()
+        row[_REFERENCE], row[STEP_US] = reference[:VEHICLE], self._step_us
+        if self._arm is not None:
+            self._arm.command(reference[VEHICLE:], row)
         plant, steps = self._world.plant, self._physics_steps
         if self._autopilot is not None:
             self._fly(self._autopilot, step * steps)
@@ -183,6 +189,8 @@ class ClosedLoop:
             world.keeper.record,
             StepOutputs(row, self.observation, world.velocity_controller.measured),
         )
+        if self._arm is not None:
+            self._arm.measure(step, row)
 
     def _image(self) -> NDArray[np.uint8]:
         """Return the image that the station keeper has now, in blue, green, red."""
@@ -211,7 +219,10 @@ class ClosedLoop:
         """Return the thrusters' commands, (n,) in [-1, 1]."""
         if self._oracle is not None:
             return self._oracle.commands()
-        return self._world.velocity_controller.step(self._delayed.step(reference), self._dt)
+        arrived = self._delayed.step(reference)
+        if self._arm is not None:
+            self._arm.drive(arrived[VEHICLE:])
+        return self._world.velocity_controller.step(arrived[:VEHICLE], self._dt)
 
     def _program_step(self) -> Command:
         before = time.perf_counter_ns()

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.engine.program import Command
 
-STILL: Command = (0.0, 0.0, 0.0, 0.0)
+STILL: Command = (0.0, 0.0, 0.0, 0.0)  # of the vehicle; joints that are not commanded rest
 
 
 class ImageDelay:

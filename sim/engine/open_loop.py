@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.tracking_error import write_tracking_error
-from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
+from seamark.sim.recording.telemetry import INDEX, STEP_US, WIDTH, OnRows, Recorder
 
 _TIME = slice(INDEX["trial"], INDEX["t"] + 1)
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
@@ -73,7 +73,7 @@ class OpenLoop:
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the tracker raises."""
-        recorder = Recorder(on_rows, thrusters=0)
+        recorder = Recorder(on_rows, width=WIDTH)
         try:
             for step in range(self._steps):
                 self.step(step, recorder.next_row())

@@ -16,7 +16,7 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID, write_current
-from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, WIDTH
+from seamark.sim.recording.telemetry import ARM_WIDTH, COMMON_THRUSTERS, INDEX, WIDTH
 from seamark.sim.sensors.ahrs import sample_attitude
 from seamark.sim.sensors.altimeter import sample_altitude
 from seamark.sim.sensors.depth import sample_depth
@@ -96,8 +96,8 @@ class SensorNoises(NamedTuple):
 class StepOutputs(NamedTuple):
     """What perception writes."""
 
-    row: Array  # of telemetry, except for the program's reference and step time
-    observation: Array  # of the program
+    row: Array  # of telemetry, except for the program's reference and step time, and an arm
+    observation: Array  # of the program, except for an arm
     measured: Records  # (1,) of the velocity controller
 
 
@@ -149,7 +149,8 @@ def perceive(
     observation[_SEEN_T], observation[_SEEN_DT] = inputs.t, constants.dt
     _observe_position_error(keepers[0], observation)
     _observe_sensors(dvl, depth, attitude, altitude, observation)
-    observation[_SEEN_THRUST:] = state[RIGID:]
+    for i in range(state.size - RIGID):
+        observation[_SEEN_THRUST + i] = state[RIGID + i]
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,8 +166,16 @@ def _record_motion(pose: Array, state: Array, row: Array) -> None:
         row[_POSE + i], row[_VELOCITY + i] = pose[i], state[7 + i]
     row[_THRUST : _THRUST + COMMON_THRUSTERS] = 0.0
     for i in range(state.size - RIGID):
-        column = _THRUST + i if i < COMMON_THRUSTERS else WIDTH + i - COMMON_THRUSTERS
-        row[column] = state[RIGID + i]
+        row[thrust_column(i, row.size)] = state[RIGID + i]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def thrust_column(thruster: int, width: int) -> int:
+    """Return where a row of this width has the thrust of a thruster; see `telemetry.columns`."""
+    if thruster < COMMON_THRUSTERS:
+        return _THRUST + thruster
+    first = WIDTH if width < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
+    return first + thruster - COMMON_THRUSTERS
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim import registry
-from seamark.sim.control.observation import Observation
+from seamark.sim.control.observation import ArmSize, Observation
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.plant import Plant
 from seamark.sim.settings.configuration import Configuration
@@ -87,18 +87,18 @@ class BuiltIn:
     box has no such attribute, whatever its methods are called.
     """
 
-    def __init__(self, name: str, config: Configuration) -> None:
+    def __init__(self, name: str, config: Configuration, arm: ArmSize | None = None) -> None:
         controller = resolve_name(registry.controller_path(name))
         self._controller: Controller = controller(config.for_program())
         reference = name in registry.REFERENCE_CONTROLLERS
         sees = reference and isinstance(self._controller, Oracle)
         self.oracle: Oracle | None = self._controller if sees else None
+        self._arm = arm
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Reset the controller."""
         self._controller.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        """Return the controller's command as four floats."""
-        surge, sway, heave, yaw_rate = self._controller.step(Observation(values))
-        return float(surge), float(sway), float(heave), float(yaw_rate)
+        """Return the controller's command as floats: four, and perhaps the speeds of joints."""
+        return tuple(map(float, self._controller.step(Observation(values, self._arm))))

@@ -17,16 +17,17 @@ import numpy as np
 from numba import njit
 
 from seamark.sim.camera.geometry import camera_pose
+from seamark.sim.engine.perception import thrust_column
 from seamark.sim.metrics.station_keeping import SCORE_LENGTH_M
 from seamark.sim.metrics.tool_point import CIRCLES_M, POWER_WEIGHT
 from seamark.sim.metrics.windows import LOST_PX
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX
 from seamark.sim.vehicles import Vehicle
 
 DISTANCE, TOOL = 0, 1
 _POSE, _OK, _CORNER_ERROR = INDEX["x"], INDEX["tracker_ok"], INDEX["tracker_error"]
-_DISTANCE_M, _THRUST = INDEX["distance"], INDEX["thrust_0"]
+_DISTANCE_M = INDEX["distance"]
 
 
 class Goal(NamedTuple):
@@ -90,7 +91,7 @@ def _power_share(row: Array, goal: Goal) -> float:
     """Return the power relative to that of all thrusters at full thrust; see tool_point.py."""
     total = 0.0
     for i in range(goal.thrusters):
-        thrust = row[_THRUST + i if i < COMMON_THRUSTERS else WIDTH + i - COMMON_THRUSTERS]
+        thrust = row[thrust_column(i, row.size)]
         share = thrust / goal.forward if thrust > 0.0 else -thrust / goal.reverse
         total += share * math.sqrt(share)
     return total / goal.thrusters

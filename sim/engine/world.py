@@ -1,6 +1,7 @@
 """The world of one level, built from configuration, conditions and random streams alone."""
 
 from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +11,16 @@ from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
+from seamark.sim.control.observation import ArmSize, arm_size
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.multibody.assembly import Mounting, fixed_box
 from seamark.sim.multibody.hull import Hull
+from seamark.sim.multibody.plant import ArmedPlant
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
@@ -28,8 +32,10 @@ from seamark.sim.physics.terrain import Bottom, Relief, draw_relief
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.sensors.ahrs import Ahrs
 from seamark.sim.sensors.altimeter import Altimeter
+from seamark.sim.sensors.arm import ArmSensors
 from seamark.sim.sensors.depth import DepthGauge
 from seamark.sim.sensors.dvl import Dvl
+from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers import Tracker
@@ -55,6 +61,15 @@ class Sensors:
     def noises(self) -> SensorNoises:
         """Return the noise of their readings, for compiled code."""
         return SensorNoises(self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arm:
+    """The arm of a vehicle: the plant that moves both, and its sensors."""
+
+    plant: ArmedPlant
+    sensors: ArmSensors
+    size: ArmSize
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +101,7 @@ class Craft:
     velocity_controller: VelocityController
     bottom: Bottom
     contact: Contact | None
+    arm: Arm | None
 
     def close(self) -> None:
         """Release what the contact engine holds."""
@@ -179,15 +195,9 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
     vehicle = varied(nominal, trial.vehicle)
     centre = (target.north_m, target.east_m)
     bottom = Bottom(target.seabed_m, _relief(config, random), centre=centre)
-    contact = _contact(config, vehicle, bottom, target) if config.contact else None
-    plant = Plant(
-        vehicle,
-        conditions.current,
-        step_s=config.physics_step_s,
-        contact=contact,
-        fault=_fault(config),
-        thruster_gains=trial.thruster_gains,
-    )
+    moved = _Moved(vehicle, conditions.current, bottom, target)
+    arm = _arm(config, moved, trial, random)
+    plant, contact = (arm.plant, None) if arm else _plant(config, moved, trial)
     plant.reset(start)
     return Craft(
         config=config,
@@ -212,7 +222,63 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
         velocity_controller=VelocityController(nominal, config),
         bottom=bottom,
         contact=contact,
+        arm=arm,
     )
+
+
+class _Moved(NamedTuple):
+    """What a plant moves, and where."""
+
+    vehicle: Vehicle
+    current: Current
+    bottom: Bottom
+    target: Target
+
+
+def _plant(
+    config: ExperimentSettings, moved: _Moved, trial: TrialConditions
+) -> tuple[Plant, Contact | None]:
+    """Return the plant of a vehicle without an arm."""
+    contact = _contact(config, moved) if config.contact else None
+    plant = Plant(
+        moved.vehicle,
+        moved.current,
+        step_s=config.physics_step_s,
+        contact=contact,
+        fault=_fault(config),
+        thruster_gains=trial.thruster_gains,
+    )
+    return plant, contact
+
+
+def _arm(
+    config: ExperimentSettings, moved: _Moved, trial: TrialConditions, random: Streams
+) -> Arm | None:
+    """Return the arm of the vehicle, if it has one, and the plant that moves both."""
+    linkage = config.chosen_arm()
+    if linkage is None or not isinstance(config, ArmSettings):
+        return None
+    place = moved.vehicle.mounts[linkage.name]
+    mountings = [Mounting(linkage=linkage, place=place, on_vehicle=True)]
+    if config.contact:
+        mountings.append(fixed_box(_box(moved.target)))
+    plant = ArmedPlant(
+        moved.vehicle,
+        mountings,
+        moved.current,
+        moved.bottom if config.contact else None,
+        step_s=config.physics_step_s,
+        fault=_fault(config),
+        thruster_gains=trial.thruster_gains,
+    )
+    efforts = [link.joint.effort for link in linkage.links]
+    sensors = ArmSensors(
+        random.arm,
+        readings=config.control_steps_per_level,
+        efforts=np.array([effort.scalar for effort in efforts if effort]),
+        scale=config.arm_noise,
+    )
+    return Arm(plant=plant, sensors=sensors, size=arm_size(linkage))
 
 
 def build_tracking(
@@ -306,22 +372,24 @@ def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams
     )
 
 
-def _contact(
-    config: ExperimentSettings, vehicle: Vehicle, bottom: Bottom, target: Target
-) -> Contact:
-    """Return the contacts with the bottom and the target, which cannot be pushed away.
+def _contact(config: ExperimentSettings, moved: _Moved) -> Contact:
+    """Return the contacts with the bottom and the target."""
+    engine = BulletEngine if config.contacts == "pybullet" else Hull
+    return Contact(moved.vehicle, moved.bottom, box=_box(moved.target), engine=engine)
+
+
+def _box(target: Target) -> TargetBox:
+    """Return the target, which cannot be pushed away.
 
     An image is a function of the vehicle's pose alone, so the box stays where it is rendered.
     """
     north, east, down = target.origin().tolist()
-    box = TargetBox(
+    return TargetBox(
         centre=(north, east, down),
         yaw=target.heading_rad + 0.5 * PI,  # the length lies across the heading
         size=(target.length_m, target.width_m, target.height_m),
         fixed=True,
     )
-    engine = BulletEngine if config.contacts == "pybullet" else Hull
-    return Contact(vehicle, bottom, box=box, engine=engine)
 
 
 def _fault(config: ExperimentSettings) -> ThrusterFault | None:

@@ -21,8 +21,17 @@ from seamark.sim.multibody.step import Model, State
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.physics import constants
-from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
-from seamark.sim.vehicles.linkage import TOUCHING, Body, Linkage, LinkData, Touchable
+from seamark.sim.physics.contact import TargetBox
+from seamark.sim.vehicles import STANDARD_GRAVITY, Quantity, Vehicle
+from seamark.sim.vehicles.linkage import (
+    TOUCHING,
+    Body,
+    Joint,
+    Linkage,
+    LinkData,
+    Spot,
+    Touchable,
+)
 from seamark.sim.vehicles.matrices import applied, multiplied, quaternion_of, shifted, turned
 from seamark.sim.vehicles.model import Place
 
@@ -44,14 +53,39 @@ class Mounting:
     prefix: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Axes in those of a link of the mechanism, or of the world."""
+
+    link: str | None
+    point: Array  # (3,) [m]
+    turn: Array  # (3, 3) into the axes of the link
+
+    def inner(self, place: Place) -> "Frame":
+        """Return axes that are placed in these."""
+        point = self.point + applied(self.turn, place.point.value)
+        return Frame(self.link, point, multiplied(self.turn, _rotation(place)))
+
+
 @dataclass(slots=True, kw_only=True)
 class Assembly:
-    """A mechanism with the names and limits that commands and sensors need."""
+    """A mechanism with the names and limits that commands and sensors need.
+
+    An arm is a linkage on the vehicle. `frames` are those of the links in the files, whether they
+    move or are fixed to one that does.
+    """
 
     mechanism: Mechanism
     motors: tuple[str, ...]  # links, in the order of commands
     fastest: tuple[float, ...]  # of each motor [rad/s or m/s]
     starts: Mapping[str, tuple[Array, Array]]  # of free links: point and rotation
+    homes: Mapping[str, float]  # of joints: coordinate at the start [rad or m]
+    frames: Mapping[str, Frame]
+    hull: tuple[str, ...] = ()  # shapes of the vehicle
+    arm: tuple[str, ...] = ()  # shapes of its arm, and of these
+    feelers: tuple[str, ...] = ()  # those that may touch something
+    force_sensor: Frame | None = None  # on the arm
+    camera: Frame | None = None  # on the arm; it looks along x
 
     def state(self, model: Model) -> State:
         """Return a state at rest, free things where they were put."""
@@ -60,24 +94,13 @@ class Assembly:
             at = self.coordinate(model, name)
             state.q[at : at + 3] = point
             state.q[at + 3 : at + 7] = quaternion_of(turn)
+        for name, home in self.homes.items():
+            state.q[self.coordinate(model, name)] = home
         return state
 
     def coordinate(self, model: Model, link: str) -> int:
         """Return where the coordinates of a link begin."""
         return int(model.structure.coordinate[self.mechanism.number(link)])
-
-
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """Axes in those of a link of the mechanism, or of the world."""
-
-    link: str | None
-    point: Array  # (3,) [m]
-    turn: Array  # (3, 3)
-
-    def inner(self, place: Place) -> "_Frame":
-        point = self.point + applied(self.turn, place.point.value)
-        return _Frame(self.link, point, multiplied(self.turn, _rotation(place)))
 
 
 def assemble(
@@ -86,26 +109,71 @@ def assemble(
     """Return the mechanism of a vehicle, linkages on it, and linkages in the world."""
     mechanism = Mechanism(links=[])
     starts: dict[str, tuple[Array, Array]] = {}
+    frames: dict[str, Frame] = {}
     if vehicle is not None:
         _add_vehicle(vehicle, mechanism)
+    hull = tuple(shape.name for shape in mechanism.shapes)
     if bottom:
         friction = constants.FRICTION.scalar
         mechanism.shapes.append(Shape(name=BOTTOM, kind="ground", friction=friction))
     for mounting in mountings:
-        starts |= _add_linkage(mounting, mechanism)
+        placed, free = _add_linkage(mounting, mechanism)
+        frames |= placed
+        starts |= free
     mechanism.pairs = list(_pairs(mechanism, mountings))
-    motors = [
-        (f"{mounting.prefix}{link.name}", link.joint.speed.scalar)
+    moved = [
+        (f"{mounting.prefix}{link.name}", link.joint)
         for mounting in mountings
         for link in mounting.linkage.links
-        if link.joint.speed is not None
     ]
+    arm = next((mounting for mounting in mountings if mounting.on_vehicle), None)
     return Assembly(
         mechanism=mechanism,
-        motors=tuple(name for name, _ in motors),
-        fastest=tuple(speed for _, speed in motors),
+        motors=tuple(name for name, joint in moved if joint.speed),
+        fastest=tuple(joint.speed.scalar for _, joint in moved if joint.speed),
         starts=starts,
+        homes={name: joint.home.scalar for name, joint in moved if joint.home},
+        frames=frames,
+        hull=hull,
+        arm=() if arm is None else _own(arm, arm.linkage.shapes()),
+        feelers=() if arm is None else _own(arm, arm.linkage.outer),
+        force_sensor=None if arm is None else _spot(arm, arm.linkage.force_sensor, frames),
+        camera=None if arm is None else _spot(arm, arm.linkage.camera, frames),
     )
+
+
+def _own(mounting: Mounting, names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{mounting.prefix}{name}" for name in names)
+
+
+def _spot(mounting: Mounting, spot: Spot | None, frames: Mapping[str, Frame]) -> Frame | None:
+    return spot and frames[f"{mounting.prefix}{spot.link}"].inner(spot.place)
+
+
+def fixed_box(box: TargetBox) -> Mounting:
+    """Return a box in the world that nothing can move."""
+
+    def estimate(meaning: str, *value: float) -> Quantity:
+        return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")
+
+    place, here = (
+        Place(point=estimate("place", *point), turn=estimate("turn", 0.0, 0.0, yaw))
+        for point, yaw in ((box.centre, box.yaw), ((0.0, 0.0, 0.0), 0.0))
+    )
+    shape = Touchable(
+        name="target",
+        kind="box",
+        place=here,
+        size=estimate("half lengths", *(0.5 * side for side in box.size)),
+        friction=estimate("friction", constants.FRICTION.scalar),
+    )
+    link = LinkData(
+        name="target", parent=None, joint=Joint(kind="fixed", place=here), body=None, shapes=(shape,)
+    )
+    linkage = Linkage(
+        kind="thing", name="target", title="Target", summary="", links=(link,), outer=("target",)
+    )
+    return Mounting(linkage=linkage, place=place)
 
 
 def vehicle_link(vehicle: Vehicle) -> Link:
@@ -145,11 +213,13 @@ def _add_vehicle(vehicle: Vehicle, mechanism: Mechanism) -> None:
     mechanism.shapes += hull_shapes(vehicle)
 
 
-def _add_linkage(mounting: Mounting, mechanism: Mechanism) -> dict[str, tuple[Array, Array]]:
-    """Add a linkage; return where its free links start."""
-    carrier = _Frame(VEHICLE if mounting.on_vehicle else None, np.zeros(3), np.eye(3))
+def _add_linkage(
+    mounting: Mounting, mechanism: Mechanism
+) -> tuple[dict[str, Frame], dict[str, tuple[Array, Array]]]:
+    """Add a linkage; return the frames of its links, and where its free links start."""
+    carrier = Frame(VEHICLE if mounting.on_vehicle else None, np.zeros(3), np.eye(3))
     root = carrier.inner(mounting.place)
-    frames: dict[str, _Frame] = {}
+    frames: dict[str, Frame] = {}
     starts = {}
     for link in mounting.linkage.links:
         outer = root if link.parent is None else frames[link.parent]
@@ -159,7 +229,7 @@ def _add_linkage(mounting: Mounting, mechanism: Mechanism) -> dict[str, tuple[Ar
             frames[link.name] = frame
             _merge_body(link, frame, mechanism)
         else:
-            frames[link.name] = _Frame(name, np.zeros(3), np.eye(3))
+            frames[link.name] = Frame(name, np.zeros(3), np.eye(3))
             mechanism.links.append(_link(link, name, frame))
             _add_rows(link, name, mounting.prefix, mechanism)
         if link.joint.kind == "free":
@@ -168,10 +238,10 @@ def _add_linkage(mounting: Mounting, mechanism: Mechanism) -> dict[str, tuple[Ar
             _shape(shape, f"{mounting.prefix}{shape.name}", frames[link.name])
             for shape in link.shapes
         ]
-    return starts
+    return {f"{mounting.prefix}{name}": frame for name, frame in frames.items()}, starts
 
 
-def _link(link: LinkData, name: str, frame: _Frame) -> Link:
+def _link(link: LinkData, name: str, frame: Frame) -> Link:
     body, joint = link.body, link.joint
     if body is None or joint.kind == "fixed":
         raise ValueError(f"{link.name} does not move by itself, or has no mass")
@@ -195,7 +265,7 @@ def _link(link: LinkData, name: str, frame: _Frame) -> Link:
     )
 
 
-def _merge_body(link: LinkData, frame: _Frame, mechanism: Mechanism) -> None:
+def _merge_body(link: LinkData, frame: Frame, mechanism: Mechanism) -> None:
     """Add the body of a fixed link to that of the link which carries it.
 
     Its drag is added along the carrier's axes: exact for motion along one of them.
@@ -213,7 +283,7 @@ def _merge_body(link: LinkData, frame: _Frame, mechanism: Mechanism) -> None:
     _merge_drag(body, frame, carrier)
 
 
-def _merge_drag(body: Body, frame: _Frame, carrier: Link) -> None:
+def _merge_drag(body: Body, frame: Frame, carrier: Link) -> None:
     lever = frame.point + applied(frame.turn, body.centre.value)
     reach = np.sqrt(np.roll(lever, 1) * np.roll(lever, 1) + np.roll(lever, 2) * np.roll(lever, 2))
     size = np.abs(frame.turn)
@@ -242,7 +312,7 @@ def _add_rows(link: LinkData, name: str, prefix: str, mechanism: Mechanism) -> N
         mechanism.couplings.append(Coupling(link=name, other=f"{prefix}{other}", ratio=ratio))
 
 
-def _shape(shape: Touchable, name: str, carrier: _Frame) -> Shape:
+def _shape(shape: Touchable, name: str, carrier: Frame) -> Shape:
     frame = carrier.inner(shape.place)
     return Shape(
         name=name,

@@ -37,6 +37,7 @@ class Streams:
     trial_delays: np.random.Generator
     trial_vehicle: np.random.Generator
     trial_order: np.random.Generator
+    arm: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

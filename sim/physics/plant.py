@@ -103,6 +103,18 @@ class Plant:
         ValueError
             A command is not a number, or the gust of the current is too short.
         """
+        self._take_command(step, command, steps)
+        while step < self._step:
+            step += self._advance_freely(step, self._step - step)
+            if step < self._step:
+                self._advance_in_contact(step)
+                step += 1
+        if self.contact is not None:
+            self._contact_force = self.contact.impulse_n_s / (steps * self.step_s)
+            self.contact.impulse_n_s = 0.0
+
+    def _take_command(self, step: int, command: Array, steps: int) -> None:
+        """Keep a command, and what the faulty thruster makes of it, for steps that are coming."""
         if command.shape != self._command.shape:
             raise ValueError(
                 f"the command must have shape {self._command.shape}, not {command.shape}"
@@ -114,14 +126,6 @@ class Plant:
         if (step + steps) * self.step_s > self.current.duration_s + self.step_s:
             raise ValueError(f"the gust was drawn for only {self.current.duration_s} s")
         self._step = step + steps
-        while step < self._step:
-            step += self._advance_freely(step, self._step - step)
-            if step < self._step:
-                self._advance_in_contact(step)
-                step += 1
-        if self.contact is not None:
-            self._contact_force = self.contact.impulse_n_s / (steps * self.step_s)
-            self.contact.impulse_n_s = 0.0
 
     def _advance_freely(self, step: int, steps: int, *, gate: float | None = None) -> int:
         if gate is None:

@@ -4,9 +4,10 @@ A row holds the state at the start of the step, the tracker's estimate from the 
 the program's velocity reference and the thrust acting at that moment. Positions are in the world
 frame (NED), velocities in the body frame.
 
-Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with more
-of them has further columns at the end, so the width of a row says which columns it has, and rows
-of all versions and vehicles can be read alike.
+Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with an arm
+has `ARM_WIDTH` further columns, and one with more thrusters has theirs at the end. These are fewer
+than those of an arm, so the width of a row says which columns it has, and rows of all versions and
+vehicles can be read alike.
 """
 
 import hashlib
@@ -21,6 +22,7 @@ Rows = NDArray[np.float64]  # (k, WIDTH or more)
 OnRows = Callable[[Rows], None]
 
 COMMON_THRUSTERS = 8  # thrust columns in every row, whatever the vehicle; part of the file format
+ARM_JOINTS, ARM_FEELERS = 8, 4  # in every row with an arm, whatever the arm
 _WIDTH_BYTES = 4
 _POINT_MIN, _POINT_END = 1e-4, 1e16  # between them Python writes a float without an exponent
 DELIVERED_ROWS = 20  # at once: 1 s of simulated time at 20 Hz
@@ -76,16 +78,47 @@ COLUMNS: tuple[Column, ...] = (
     ),
     Column("step_us", "us", "wall time of the program's step; not part of the digest"),
 )
+
+
+def _joints(name: str, unit: str, meaning: str) -> tuple[Column, ...]:
+    return tuple(Column(f"{name}_{i}", unit, f"{meaning}; 0 if there is none") for i in range(ARM_JOINTS))
+
+
+ARM_COLUMNS: tuple[Column, ...] = (
+    *_joints("joint", "rad", "coordinate of one joint of the arm, m if it slides"),
+    *_joints("joint_speed", "rad/s", "speed of one joint"),
+    *_joints("joint_ref", "rad/s", "speed of one joint that the program commands"),
+    *_joints("joint_effort", "N m", "torque of one joint's motor, mean since the previous row"),
+    *_vector(
+        "wrist_fx wrist_fy wrist_fz",
+        "N",
+        "force of the arm on what its force sensor carries, sensor's axes, mean since the last row",
+    ),
+    *_vector("wrist_mx wrist_my wrist_mz", "N m", "moment of the same"),
+    *(
+        Column(f"touch_{i}", "N", "contact force on one part of the hand, mean since the last row")
+        for i in range(ARM_FEELERS)
+    ),
+    Column("arm_peak_n", "N", "contact force on the arm from outside it, most since the last row"),
+)
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
-WIDTH = len(COLUMNS)
+WIDTH, ARM_WIDTH = len(COLUMNS), len(ARM_COLUMNS)
+ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
 STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
+def has_arm(width: int) -> bool:
+    """Return whether rows of this width are those of a vehicle with an arm."""
+    return width >= WIDTH + ARM_WIDTH
+
+
 def columns(width: int) -> tuple[Column, ...]:
     """Return the columns of rows of this width."""
-    return COLUMNS + tuple(map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + width - WIDTH)))
+    arm = ARM_COLUMNS if has_arm(width) else ()
+    more = width - WIDTH - len(arm)
+    return (*COLUMNS, *arm, *map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + more)))
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -93,9 +126,9 @@ def names(width: int) -> tuple[str, ...]:
     return tuple(column.name for column in columns(width))
 
 
-def width_for(thrusters: int) -> int:
-    """Return the width of a row for a vehicle with this number of thrusters."""
-    return WIDTH + max(thrusters - COMMON_THRUSTERS, 0)
+def width_for(thrusters: int, *, arm: bool = False) -> int:
+    """Return the width of a row for a vehicle with this number of thrusters, and perhaps an arm."""
+    return WIDTH + arm * ARM_WIDTH + max(thrusters - COMMON_THRUSTERS, 0)
 
 
 def thrust_names(thrusters: int) -> tuple[str, ...]:
@@ -107,14 +140,15 @@ def thrusts(rows: Rows) -> Rows:
     """Return the thrust columns of rows, (k, 8 or more) [N]."""
     first = INDEX["thrust_0"]
     common = rows[:, first : first + COMMON_THRUSTERS]
-    return common if rows.shape[1] == WIDTH else np.hstack([common, rows[:, WIDTH:]])
+    further = rows[:, WIDTH + has_arm(rows.shape[1]) * ARM_WIDTH :]
+    return np.hstack([common, further]) if further.shape[1] else common
 
 
 class Recorder:
     """Collects the rows of one level and passes copies on, `DELIVERED_ROWS` at a time."""
 
-    def __init__(self, on_rows: OnRows, *, thrusters: int) -> None:
-        self._buffer = np.zeros((DELIVERED_ROWS, width_for(thrusters)))
+    def __init__(self, on_rows: OnRows, *, width: int) -> None:
+        self._buffer = np.zeros((DELIVERED_ROWS, width))
         self._filled = 0
         self._on_rows = on_rows
 

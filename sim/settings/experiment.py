@@ -15,6 +15,7 @@ from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
 from seamark.sim.vehicles import load, most_thrusters, own
+from seamark.sim.vehicles.linkage import Linkage
 
 experiment_setting = partial(setting, group="Experiment", role="scenario")
 
@@ -171,6 +172,10 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
             )
         return errors | self._fault_errors() | self._image_errors() | super().cross_field_errors()
 
+    def chosen_arm(self) -> Linkage | None:
+        """Return the vehicle's arm, if there is one: none, unless overridden."""
+        return None
+
     def vehicles(self) -> tuple[str, ...]:
         """Return the vehicles that take turns from trial to trial: one, unless overridden."""
         return (self.vehicle,)
@@ -251,7 +256,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return how many rows a trial has, one per control step, and how many columns."""
         thrusters = max(len(load(name).thrusters) for name in self.vehicles())
         rows = len(self.level_values()) * self.control_steps_per_level
-        return rows, width_for(thrusters)
+        return rows, width_for(thrusters, arm=self.chosen_arm() is not None)
 
     @property
     def physics_steps_per_control_step(self) -> int:

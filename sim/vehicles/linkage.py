@@ -37,13 +37,14 @@ class Joint:
 
     `effort` is the most that its motor gives [N m or N], `speed` the fastest it turns [rad/s or
     m/s]; a joint without them is passive. `friction` is to break away, and in motion. One that
-    `follows` another has that one's coordinate times a ratio.
+    `follows` another has that one's coordinate times a ratio. `home` is the coordinate at the start.
     """
 
     kind: JointKind
     place: Place
     axis: Point = (0.0, 0.0, 1.0)
     range: Quantity | None = None
+    home: Quantity | None = None
     effort: Quantity | None = None
     speed: Quantity | None = None
     friction: Quantity | None = None
@@ -148,6 +149,10 @@ class Linkage:
     def motors(self) -> tuple[str, ...]:
         """Return the links whose joints have a motor, in the order of commands."""
         return tuple(link.name for link in self.links if link.joint.effort is not None)
+
+    def shapes(self) -> tuple[str, ...]:
+        """Return the names of all shapes."""
+        return tuple(shape.name for link in self.links for shape in link.shapes)
 
     def mass(self) -> float:
         """Return the mass of all links [kg]."""

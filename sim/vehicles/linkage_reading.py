@@ -45,7 +45,7 @@ _TOP = (
     *("hull", "camera", "force_sensor"),
 )
 _JOINT = ("kind", *PLACE_KEYS)
-_MOVING = (*_JOINT, "axis", "range", "effort", "speed", "friction", "rotor", "follows")
+_MOVING = (*_JOINT, "axis", "range", "home", "effort", "speed", "friction", "rotor", "follows")
 _SIZES: Mapping[ShapeKind, int] = {"capsule": 2, "box": 3, "cylinder": 2, "socket": 3}
 _NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9 -]{{0,{NAME_MAX - 1}}}")
 _TAKEN = ("vehicle", "bottom")  # by what an arm hangs on and lies on
@@ -192,6 +192,8 @@ class _Reader(Fields):
                     f"{path}.range must be its lower end, then its upper one, from {-RANGE_MAX:.4g}"
                     f" to {RANGE_MAX:.4g}."
                 )
+            if joint.home and not low <= joint.home.scalar <= high:
+                self.wrong(f"{path}.home must be within the range.")
         if joint.friction and joint.friction.value[0] < joint.friction.value[1]:
             self.wrong(f"{path}.friction must be that to break away, then that in motion, no more.")
         if (joint.effort is None) != (joint.speed is None):
@@ -272,6 +274,7 @@ def _joint_slots(turning: bool) -> dict[str, Slot]:
     inertia = "kg m²" if turning else "kg"
     return {
         "range": Slot("range", angle, range(2, 3)),
+        "home": number("coordinate at the start", angle),
         "effort": number("greatest effort of the motor", effort, above=0.0),
         "speed": number("greatest speed", speed, above=0.0),
         "friction": Slot("friction to break away, and in motion", effort, range(2, 3), low=0.0),

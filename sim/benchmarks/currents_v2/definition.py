@@ -16,6 +16,7 @@ from seamark.sim.benchmarks.station_keeping.definition import station_keeping_be
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import KEY_METRICS, METRICS, WHOLE
+from seamark.sim.settings.arm import GROUP as ARM
 from seamark.sim.settings.trial_spreads import GROUP
 
 MIDPOINT = Metric(
@@ -71,7 +72,7 @@ BENCHMARK = replace(
     headline=Metric("score", "Current held", "m/s", "higher"),
     score_bar_max=0.8,
     scale=(0.020, 0.652),  # ./run performance headroom
-    groups=(*_BENCHMARK.groups, GROUP),
+    groups=(*_BENCHMARK.groups, ARM, GROUP),
     presets={},
     starting_points={
         "paper-pi": StartingPoint(

@@ -7,6 +7,7 @@ from typing import Any, Self
 
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.station_keeping import overall
+from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.setting import group_of, override
@@ -24,7 +25,9 @@ HIDDEN = frozenset({"levels", "score"})
 INHERITED = StationKeepingSettings.model_fields
 
 
-class CurrentsConfiguration(RobustTrackerSettings, StationKeepingSettings, TrialSpreadSettings):
+class CurrentsConfiguration(
+    RobustTrackerSettings, ArmSettings, StationKeepingSettings, TrialSpreadSettings
+):
     """Settings of currents-v2. Seed, trials and controller are not part of it."""
 
     vehicle: str = experiment_setting(

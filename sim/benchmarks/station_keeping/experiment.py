@@ -6,7 +6,7 @@ from typing import Any, Generic, TypeVar
 
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
-from seamark.sim.control.observation import layout
+from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.program import BuiltIn, Program
@@ -47,11 +47,12 @@ class StationKeeping(Generic[Settings]):
 
     def built_in(self, name: str, config: Settings) -> Program:
         """Return a built-in controller."""
-        return BuiltIn(name, config)
+        arm = config.chosen_arm()
+        return BuiltIn(name, config, None if arm is None else arm_size(arm))
 
     def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
-        return {"role": "controller"} | layout(config.vehicle)
+        return {"role": "controller"} | layout(config.vehicle, config.chosen_arm())
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
         """Return the conditions of a trial: nominal, unless overridden."""

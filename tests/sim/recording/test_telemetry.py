@@ -139,7 +139,7 @@ def test_the_digest_leaves_out_the_wall_time_and_nothing_else() -> None:
 
 def test_a_row_that_was_not_committed_is_not_delivered() -> None:
     delivered: list[Rows] = []
-    recorder = Recorder(delivered.append, thrusters=5)
+    recorder = Recorder(delivered.append, width=telemetry.width_for(5))
     recorder.next_row()[:] = 1.0
     recorder.commit()
     recorder.next_row()[:] = 2.0
@@ -152,7 +152,7 @@ def test_a_row_that_was_not_committed_is_not_delivered() -> None:
 
 def test_a_full_buffer_is_delivered_at_once_as_a_copy() -> None:
     delivered: list[Rows] = []
-    recorder = Recorder(delivered.append, thrusters=10)
+    recorder = Recorder(delivered.append, width=telemetry.width_for(10))
 
     for number in range(DELIVERED_ROWS + 1):
         recorder.next_row()[:] = number

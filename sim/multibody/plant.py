@@ -1,0 +1,301 @@
+"""A vehicle with an arm as a plant: moved as a mechanism, with the interface of `physics.plant`."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.multibody.assembly import Assembly, Mounting, assemble
+from seamark.sim.multibody.loads import contact_force, write_loads
+from seamark.sim.multibody.mechanism import command_for, work_for
+from seamark.sim.multibody.solver import Timing
+from seamark.sim.multibody.step import Command, Model, State, Work, take_step
+from seamark.sim.multibody.tree import WORLD, place
+from seamark.sim.multibody.vectors import cross, dot, minus, rotate, three
+from seamark.sim.numerics.arrays import Array, Integers
+from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.compilation import SameTypes
+from seamark.sim.physics.current import RELATIVE, Current, Water, segment_at
+from seamark.sim.physics.dynamics import RIGID
+from seamark.sim.physics.plant import Plant
+from seamark.sim.physics.pose import write_pose
+from seamark.sim.physics.terrain import Bottom, Mounds
+from seamark.sim.physics.thruster_faults import ThrusterFault
+from seamark.sim.physics.thrusters import steady_thrust
+from seamark.sim.vehicles import Vehicle
+
+STEP_S = 0.002  # S: measured against 1 and 4 ms, see docs/validation.md
+ITERATIONS = 10  # of the contact solver; S: docs/validation.md
+_FREE = 7  # coordinates of the vehicle
+
+
+class Gauges(NamedTuple):
+    """Where forces on a vehicle with an arm are measured, and the sums of what was."""
+
+    link: Integers  # (1,) through whose joint the measured wrench goes, or WORLD
+    point: Array  # (3,) [m] where it is measured, in the axes of that link
+    turn: Array  # (3, 3) from the sensor's axes into the link's
+    part: Integers  # (s,) of each shape: the number of its feeler, or HULL, ARM, ELSEWHERE
+    loads: Array  # (k, 6) of each joint in the last step
+    sums: Array  # (8 + a + f,) the fields of `Readings`, over steps
+    force: Array  # (4,) on the hull, and on the arm, in one step
+
+
+class Readings(NamedTuple):
+    """Forces since the last call of `advance`: means, but for the peak."""
+
+    wrench: Array  # (6,) [N, N m] in the sensor's axes: what the arm gives to its outer part there
+    hull_n: Array  # (1,) magnitude of the contact force on the hull
+    peak_n: Array  # (1,) contact forces on the arm from outside it, added up: most in a step
+    effort: Array  # (a,) [N m or N] of each motor
+    touch_n: Array  # (f,) contact forces on each feeler, added up
+
+
+HULL, ARM, ELSEWHERE = -1, -2, -3
+_HULL, _PEAK, _EFFORT = 6, 7, 8
+
+
+class ArmedPlant(Plant):
+    """A vehicle with an arm in a current, and the things that it may touch.
+
+    `state` is that of the vehicle, as in `Plant`; `mechanism` is the state of everything.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        mountings: Sequence[Mounting],
+        current: Current,
+        bottom: Bottom | None,
+        *,
+        step_s: float,
+        fault: ThrusterFault | None = None,
+        thruster_gains: tuple[float, ...] | None = None,
+    ) -> None:
+        """Set up a plant; without a bottom nothing touches it.
+
+        `step_s` is that of sensors and commands; the mechanism moves in shorter ones.
+
+        Raises
+        ------
+        ValueError
+            The current does not move the water but pushes the vehicle.
+        """
+        if current.water.law != RELATIVE:
+            raise ValueError("a vehicle with an arm needs a current of the relative law")
+        super().__init__(
+            vehicle, current, step_s=step_s, fault=fault, thruster_gains=thruster_gains
+        )
+        self.assembly = assemble(vehicle, mountings, bottom=bottom is not None)
+        self.substeps = max(1, round(step_s / STEP_S))
+        self._timing = Timing(step_s / self.substeps, ITERATIONS)
+        self._model = self.assembly.mechanism.model(self._timing.step_s)
+        self.mechanism = self.assembly.state(self._model)
+        self._start = self.mechanism.q.copy()
+        self._held = command_for(self._model)
+        self._parts = work_for(self._model)
+        self._trim()
+        self._ground = (bottom or Bottom(0.0)).ground()
+        self._gauges = _gauges(self.assembly, self._model)
+        self._means = np.zeros_like(self._gauges.sums)
+        self.readings = _readings(self._means, len(self.assembly.motors))
+        self._move = SameTypes(advance_and_measure)
+
+    def _trim(self) -> None:
+        """Let the vehicle carry floats as heavy as its arm, so that it lies as it does without.
+
+        E: operators trim a vehicle with its arm in its home pose; floats have no mass here.
+        """
+        model, frames = self._model, self._parts.frames
+        place(model.structure, model.links, self._start, frames)
+        for i, root in enumerate(model.structure.root):
+            if i == 0 or root != 0:
+                continue
+            weight = model.links.net_weight[i]
+            moment = rotate(frames.rotation, i, three(model.links.moment, i, 0))
+            model.links.net_weight[0] -= weight
+            model.links.moment[0] -= np.array(moment) + weight * frames.position[i]
+
+    def reset(self, pose: Array) -> None:
+        """Put the vehicle at rest at a pose, its arm in its home pose, things where they belong."""
+        super().reset(pose)
+        mechanism = self.mechanism
+        mechanism.q[:] = self._start
+        for part in (mechanism.v, mechanism.thrust, *mechanism.impulses, self._held.speed):
+            part[:] = 0.0
+        write_pose(np.array(pose, dtype=np.float64), self.state)
+        mechanism.q[:_FREE] = self.state[:_FREE]
+        self._means[:] = 0.0
+
+    def drive(self, speeds: Sequence[float]) -> None:
+        """Let the motors tend to these speeds, (a,) [rad/s or m/s]; with none, they hold still.
+
+        A speed beyond what a motor reaches counts as its fastest.
+        """
+        wanted = self._held.speed
+        wanted[:] = 0.0
+        for i, (speed, fastest) in enumerate(zip(speeds, self.assembly.fastest, strict=False)):
+            wanted[i] = min(max(speed, -fastest), fastest)
+
+    def advance(self, step: int, command: Array, steps: int) -> None:
+        """Advance the plant by a number of steps; see `Plant.advance`.
+
+        Raises
+        ------
+        ValueError
+            A command is not a number, or the gust of the current is too short.
+        """
+        self._take_command(step, command, steps)
+        target = self._held.thrust
+        if not steady_thrust(self._command, self.curve, target):
+            raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
+        if self._fault_thrust.thruster >= 0:
+            target[self._fault_thrust.thruster] = self._fault_thrust.thrust
+        target *= self.thruster_gains
+        self._gauges.sums[:] = 0.0
+        span = (step * self.substeps, steps * self.substeps)
+        self._move.call(
+            span,
+            self._timing,
+            self._model,
+            self.mechanism,
+            self._held,
+            self.water,
+            self._ground,
+            self._parts,
+            self._gauges,
+        )
+        self._means[:] = self._gauges.sums / (steps * self.substeps)
+        self.readings.peak_n[:] = self._gauges.sums[_PEAK]
+        self._contact_force = float(self.readings.hull_n[0])
+        self.state[:_FREE] = self.mechanism.q[:_FREE]
+        self.state[_FREE:RIGID] = self.mechanism.v[:6]
+        self.state[RIGID:] = self.mechanism.thrust
+
+    def acceleration(self) -> Array:
+        """Return the vehicle's acceleration over ground in the last step, body frame, (6,)."""
+        return (self.mechanism.v[:6] - self._parts.before[:6]) / self._timing.step_s
+
+    def joints(self) -> Array:
+        """Return the coordinate of each motor's joint, (a,) [rad or m]."""
+        return self.mechanism.q[self._numbers(self._model.structure.coordinate)]
+
+    def joint_rates(self) -> Array:
+        """Return the speed of each motor's joint, (a,) [rad/s or m/s]."""
+        return self.mechanism.v[self._numbers(self._model.structure.speed)]
+
+    def _numbers(self, of_link: Integers) -> Integers:
+        return of_link[[self.assembly.mechanism.number(name) for name in self.assembly.motors]]
+
+
+def _readings(means: Array, motors: int) -> Readings:
+    """Return views of an array of means."""
+    return Readings(
+        wrench=means[:_HULL],
+        hull_n=means[_HULL:_PEAK],
+        peak_n=means[_PEAK:_EFFORT],
+        effort=means[_EFFORT : _EFFORT + motors],
+        touch_n=means[_EFFORT + motors :],
+    )
+
+
+def _gauges(assembly: Assembly, model: Model) -> Gauges:
+    mechanism, sensor = assembly.mechanism, assembly.force_sensor
+    return Gauges(
+        link=np.array([WORLD if sensor is None else mechanism.number(sensor.link)]),
+        point=np.zeros(3) if sensor is None else sensor.point.copy(),
+        turn=np.eye(3) if sensor is None else np.ascontiguousarray(sensor.turn),
+        part=np.array([_part(shape.name, assembly) for shape in mechanism.shapes]),
+        loads=np.zeros((len(mechanism.links), 6)),
+        sums=np.zeros(_EFFORT + len(assembly.motors) + len(assembly.feelers)),
+        force=np.zeros(4),
+    )
+
+
+def _part(shape: str, assembly: Assembly) -> int:
+    if shape in assembly.feelers:
+        return assembly.feelers.index(shape)
+    if shape in assembly.hull:
+        return HULL
+    return ARM if shape in assembly.arm else ELSEWHERE
+
+
+@njit(cache=True, error_model="numpy")
+def advance_and_measure(
+    span: tuple[int, int],
+    timing: Timing,
+    model: Model,
+    state: State,
+    command: Command,
+    water: Water,
+    ground: Mounds,
+    work: Work,
+    gauges: Gauges,
+) -> None:
+    """Advance a mechanism as `step.advance` does, and add up what its gauges read."""
+    model, state, command = borrowed(model), borrowed(state), borrowed(command)
+    work, gauges = borrowed(work), borrowed(gauges)
+    first, steps = span
+    for done in range(steps):
+        t = (first + done) * timing.step_s + 0.5 * timing.step_s
+        segment = segment_at(t, water.drift)
+        take_step(t, timing, model, state, command, (water, segment), ground, work)
+        write_loads(timing, model, state, work, gauges.loads)
+        _add_wrench(gauges)
+        _add_efforts(timing.step_s, command.speed.size, state, gauges)
+        _add_contacts(timing.step_s, command.speed.size, model, state, work, gauges)
+
+
+@njit(cache=True, error_model="numpy")
+def _add_wrench(gauges: Gauges) -> None:
+    link = gauges.link[0]
+    if link == WORLD:
+        return
+    force = three(gauges.loads, link, 0)
+    lever = (gauges.point[0], gauges.point[1], gauges.point[2])
+    torque = minus(three(gauges.loads, link, 3), cross(lever, force))
+    for i in range(3):
+        for j in range(3):
+            gauges.sums[i] += gauges.turn[j, i] * force[j]
+            gauges.sums[3 + i] += gauges.turn[j, i] * torque[j]
+
+
+@njit(cache=True, error_model="numpy")
+def _add_efforts(step_s: float, motors: int, state: State, gauges: Gauges) -> None:
+    """Add what the motors give; their rows are the first."""
+    for i in range(motors):
+        gauges.sums[_EFFORT + i] += state.impulses.joint[i] / step_s
+
+
+@njit(cache=True, error_model="numpy")
+def _add_contacts(
+    step_s: float, motors: int, model: Model, state: State, work: Work, gauges: Gauges
+) -> None:
+    shapes, total = model.shapes, gauges.force
+    total[:] = 0.0
+    for pair in range(shapes.first.size):
+        a, b = gauges.part[shapes.first[pair]], gauges.part[shapes.second[pair]]
+        for slot in range(shapes.slot[pair], shapes.slot[pair + 1]):
+            if state.impulses.contact[slot, 0] == 0.0:
+                continue
+            force = contact_force(slot, step_s, state, work)
+            size = math.sqrt(dot(force, force))
+            for part in (a, b):
+                if part >= 0:
+                    gauges.sums[_EFFORT + motors + part] += size
+            sign = (1.0 if a == HULL else 0.0) - (1.0 if b == HULL else 0.0)
+            for i in range(3):
+                total[i] += sign * force[i]
+            if _of_arm(a) != _of_arm(b):
+                total[3] += size
+    gauges.sums[_HULL] += math.sqrt(
+        total[0] * total[0] + total[1] * total[1] + total[2] * total[2]
+    )
+    gauges.sums[_PEAK] = max(gauges.sums[_PEAK], total[3])
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _of_arm(part: int) -> bool:
+    return part >= 0 or part == ARM

@@ -1,0 +1,68 @@
+"""Settings of an arm: which one the vehicle carries, and how noisy its sensors are."""
+
+from functools import partial
+
+from seamark.sim.recording.telemetry import ARM_FEELERS, ARM_JOINTS
+from seamark.sim.registry import ARMS
+from seamark.sim.settings.current import CurrentSettings
+from seamark.sim.settings.experiment import ExperimentSettings
+from seamark.sim.settings.setting import setting
+from seamark.sim.vehicles import load
+from seamark.sim.vehicles.linkage import Linkage
+from seamark.sim.vehicles.linkage_reading import load_linkage
+
+GROUP = "Arm"
+NO_ARM = "none"
+arm_setting = partial(setting, group=GROUP, role="scenario")
+
+
+class ArmSettings(ExperimentSettings, CurrentSettings):
+    """A vehicle that may carry an arm."""
+
+    arm: str = arm_setting(
+        NO_ARM,
+        title="Arm",
+        help="Arm on the vehicle, whose joints the program moves. It can touch the seabed, the "
+        "target and the vehicle.",
+        choices={NO_ARM: "None"} | {name: load_linkage(name).title for name in ARMS},
+    )
+    arm_noise: float = arm_setting(
+        1.0,
+        title="Noise of the arm's sensors",
+        help="Multiplies the noise of encoders, motor currents and force sensor.",
+        low=0,
+        high=100,
+        advanced=True,
+    )
+
+    def chosen_arm(self) -> Linkage | None:
+        """Return the arm, if there is one."""
+        return None if self.arm == NO_ARM else load_linkage(self.arm)
+
+    def cross_field_errors(self) -> dict[str, str]:
+        """Return setting -> message for the rules between several settings."""
+        errors: dict[str, str] = {}
+        arm = self.chosen_arm()
+        if arm is None:
+            return super().cross_field_errors()
+        without = [name for name in self.vehicles() if arm.name not in load(name).mounts]
+        if without:
+            errors["arm"] = (
+                f"arm (Arm): {load(without[0]).title} has no place for {arm.title}. Choose another "
+                "arm or vehicle; a vehicle of your own says in its file where an arm sits."
+            )
+        if self.contact_engine() == "pybullet":
+            errors["contacts"] = (
+                "contacts (Contact engine): with an arm, choose the simulator's own engine."
+            )
+        if self.current_law == "force":
+            errors["current_law"] = (
+                "current_law (Current model): with an arm, choose the relative velocity of the "
+                "water; the body force acts on a vehicle alone."
+            )
+        return errors | super().cross_field_errors()
+
+
+def fits_telemetry(arm: Linkage) -> bool:
+    """Return whether the columns of telemetry have room for an arm."""
+    return len(arm.motors()) <= ARM_JOINTS and len(arm.outer) <= ARM_FEELERS
