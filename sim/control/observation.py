@@ -77,11 +77,13 @@ def layout(vehicle: str, arm: Linkage | None = None) -> dict[str, Any]:
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
     if arm is None:
         return packed
-    size = arm_size(arm)
-    fields += [[name, size.count(count)] for name, count, _unit, _meaning in ARM_FIELDS]
-    speeds = [link.joint.speed for link in arm.links]
-    packed["command"] += arm.motors()
-    return packed | {"joint_limits": [speed.scalar for speed in speeds if speed]}
+    size, speeds = arm_size(arm), [link.joint.speed for link in arm.links]
+    further = [[name, size.count(count)] for name, count, _unit, _meaning in ARM_FIELDS]
+    return packed | {
+        "observation": fields + further,
+        "command": [*COMMAND, *arm.motors()],
+        "joint_limits": [speed.scalar for speed in speeds if speed],
+    }
 
 
 def _starts() -> dict[str, int]:

@@ -74,7 +74,7 @@ class ClosedLoop:
         self._thrusters = len(world.plant.vehicle.thrusters)
         self._contact_n = 0.0
         self._pose = np.zeros(6)
-        self.observation = empty(self._thrusters, world.arm and world.arm.size)
+        self.observation = empty(self._thrusters, world.arm.size if world.arm else None)
         self._arm = ArmInLoop(world.arm, self.observation) if world.arm else None
         self._step_us = 0.0
         self._constants = LevelConstants(

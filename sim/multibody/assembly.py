@@ -147,7 +147,7 @@ def _own(mounting: Mounting, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _spot(mounting: Mounting, spot: Spot | None, frames: Mapping[str, Frame]) -> Frame | None:
-    return spot and frames[f"{mounting.prefix}{spot.link}"].inner(spot.place)
+    return None if spot is None else frames[f"{mounting.prefix}{spot.link}"].inner(spot.place)
 
 
 def fixed_box(box: TargetBox) -> Mounting:
@@ -168,7 +168,11 @@ def fixed_box(box: TargetBox) -> Mounting:
         friction=estimate("friction", constants.FRICTION.scalar),
     )
     link = LinkData(
-        name="target", parent=None, joint=Joint(kind="fixed", place=here), body=None, shapes=(shape,)
+        name="target",
+        parent=None,
+        joint=Joint(kind="fixed", place=here),
+        body=None,
+        shapes=(shape,),
     )
     linkage = Linkage(
         kind="thing", name="target", title="Target", summary="", links=(link,), outer=("target",)

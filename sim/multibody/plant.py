@@ -162,8 +162,7 @@ class ArmedPlant(Plant):
             self._model,
             self.mechanism,
             self._held,
-            self.water,
-            self._ground,
+            (self.water, self._ground),
             self._parts,
             self._gauges,
         )
@@ -229,15 +228,14 @@ def advance_and_measure(
     model: Model,
     state: State,
     command: Command,
-    water: Water,
-    ground: Mounds,
+    around: tuple[Water, Mounds],
     work: Work,
     gauges: Gauges,
 ) -> None:
     """Advance a mechanism as `step.advance` does, and add up what its gauges read."""
     model, state, command = borrowed(model), borrowed(state), borrowed(command)
     work, gauges = borrowed(work), borrowed(gauges)
-    first, steps = span
+    (first, steps), (water, ground) = span, around
     for done in range(steps):
         t = (first + done) * timing.step_s + 0.5 * timing.step_s
         segment = segment_at(t, water.drift)
@@ -290,9 +288,7 @@ def _add_contacts(
                 total[i] += sign * force[i]
             if _of_arm(a) != _of_arm(b):
                 total[3] += size
-    gauges.sums[_HULL] += math.sqrt(
-        total[0] * total[0] + total[1] * total[1] + total[2] * total[2]
-    )
+    gauges.sums[_HULL] += math.sqrt(total[0] * total[0] + total[1] * total[1] + total[2] * total[2])
     gauges.sums[_PEAK] = max(gauges.sums[_PEAK], total[3])
 
 

@@ -81,7 +81,9 @@ COLUMNS: tuple[Column, ...] = (
 
 
 def _joints(name: str, unit: str, meaning: str) -> tuple[Column, ...]:
-    return tuple(Column(f"{name}_{i}", unit, f"{meaning}; 0 if there is none") for i in range(ARM_JOINTS))
+    return tuple(
+        Column(f"{name}_{i}", unit, f"{meaning}; 0 if there is none") for i in range(ARM_JOINTS)
+    )
 
 
 ARM_COLUMNS: tuple[Column, ...] = (

@@ -37,7 +37,7 @@ class Joint:
 
     `effort` is the most that its motor gives [N m or N], `speed` the fastest it turns [rad/s or
     m/s]; a joint without them is passive. `friction` is to break away, and in motion. One that
-    `follows` another has that one's coordinate times a ratio. `home` is the coordinate at the start.
+    `follows` another has that one's coordinate times a ratio. `home` is where it starts.
     """
 
     kind: JointKind
