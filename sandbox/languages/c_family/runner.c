@@ -51,6 +51,12 @@ static const struct field FIELDS[] = {
     {"attitude", AT(attitude), 3, 0},
     {"rates", AT(rates), 3, 0},
     {"thrust", AT(thrust), 8, 0},
+    {"joints", AT(joints), SEAMARK_MOST_JOINTS, 0},
+    {"joint_speeds", AT(joint_speeds), SEAMARK_MOST_JOINTS, 0},
+    {"joint_efforts", AT(joint_efforts), SEAMARK_MOST_JOINTS, 0},
+    {"wrist_force", AT(wrist_force), 3, 0},
+    {"wrist_torque", AT(wrist_torque), 3, 0},
+    {"touch", AT(touch), SEAMARK_MOST_JOINTS, 0},
 };
 
 /* One field of the received layout: its numbers, and where they are copied to if it is known. */
@@ -185,6 +191,7 @@ static void begin(const char *path) {
         copies[copies_count].field = known(name, count);
         copies[copies_count++].count = count;
         if (!strcmp(name, "thrust")) observation.thrusters = count;
+        if (!strcmp(name, "joints")) observation.joints_count = count;
     }
     fclose(file);
     unlink(path);

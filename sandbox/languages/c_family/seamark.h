@@ -15,6 +15,8 @@
 extern "C" {
 #endif
 
+enum { SEAMARK_MOST_JOINTS = 16 };
+
 /* The observation of one control step. It never contains ground truth. */
 typedef struct seamark_observation {
     double t;            /* [s] simulated time in the trial */
@@ -31,9 +33,15 @@ typedef struct seamark_observation {
     double rates[3];     /* [rad/s] p, q, r */
     double thrust[8];    /* [N] last commanded thrust of each thruster; 0 if there is none */
     int thrusters;       /* number of thrusters */
+    /* For a vehicle with an arm, in the order of the command: */
+    int joints_count;                           /* number of joints with a motor; 0 without an arm */
+    double joints[SEAMARK_MOST_JOINTS];         /* [rad or m] */
+    double joint_speeds[SEAMARK_MOST_JOINTS];   /* [rad/s or m/s] */
+    double joint_efforts[SEAMARK_MOST_JOINTS];  /* [N m or N] of the motors, from their currents */
+    double wrist_force[3];                      /* [N] of the arm on its hand, axes of the sensor */
+    double wrist_torque[3];                     /* [N m] of the same */
+    double touch[SEAMARK_MOST_JOINTS];          /* 1 for each part of the hand that touches, else 0 */
 } seamark_observation;
-
-enum { SEAMARK_MOST_JOINTS = 16 };
 
 /* The command: finite numbers of magnitude 1e6 at most. All are 0 before each step. */
 typedef struct seamark_command {

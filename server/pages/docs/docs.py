@@ -90,7 +90,12 @@ def _install() -> dict[str, Any]:
 
 def _controller() -> dict[str, Any]:
     return {
-        "observation": observation.FIELDS,
+        "observation": (*observation.FIELDS, *observation.ARM_FIELDS),
+        "per": {
+            observation.PER_THRUSTER: "thruster",
+            observation.PER_MOTOR: "joint with a motor",
+            observation.PER_FEELER: "part of the hand",
+        },
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
         "archive": Limits(),

@@ -8,10 +8,10 @@ import struct
 from pathlib import Path
 
 from seamark.sandbox.languages import c_family
-from seamark.sandbox.languages.inside.wire import MAX_MESSAGE_BYTES, VERSION
+from seamark.sandbox.languages.inside.wire import MAX_JOINTS, MAX_MESSAGE_BYTES, VERSION
 from seamark.sandbox.protocol import messages
 from seamark.sim.control import observation
-from seamark.sim.control.observation import PER_THRUSTER
+from seamark.sim.control.observation import PER_FEELER, PER_MOTOR, PER_THRUSTER
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import load
 
@@ -19,16 +19,19 @@ PAGE = Path(__file__).parents[3] / "docs" / "protocol.md"
 HEADER = Path(c_family.__file__).with_name("seamark.h")
 RUNNER = Path(c_family.__file__).with_name("runner.c")
 TABLE = re.compile(r"(<!-- observation: .*? -->\n)(.*?)(<!-- end -->)", re.DOTALL)
-ADDED = "thrusters"  # the header's own field: how long `thrust` is
+ADDED = ("thrusters", "joints_count")  # the header's own fields: how long arrays are
 MOST_THRUSTERS = 8  # of a native program: the size of the header's array
+LETTERS = {PER_THRUSTER: "n", PER_MOTOR: "a", PER_FEELER: "f"}
+SIZES = {PER_THRUSTER: MOST_THRUSTERS, PER_MOTOR: MAX_JOINTS, PER_FEELER: MAX_JOINTS}
+FIELDS = (*observation.FIELDS, *observation.ARM_FIELDS)
 
 
 def table() -> str:
     rows = ["| name | count | unit | meaning |", "|---|---|---|---|"]
     rows += [
-        f"| `{name}` | {'n' if count == PER_THRUSTER else count} "
+        f"| `{name}` | {LETTERS.get(count, count)} "
         f"| {unit or ('boolean' if name in observation.BOOLEANS else '')} | {meaning} |"
-        for name, count, unit, meaning in observation.FIELDS
+        for name, count, unit, meaning in FIELDS
     ]
     return "\n".join(rows) + "\n"
 
@@ -78,12 +81,14 @@ def test_the_example_of_the_page_is_what_the_code_packs() -> None:
 def test_the_header_has_the_fields_of_the_observation_in_their_order() -> None:
     text = HEADER.read_text(encoding="utf-8")
     struct_ = text[text.index("struct seamark_observation {") : text.index("} seamark_observation")]
+    struct_ = struct_.replace("SEAMARK_MOST_JOINTS", str(MAX_JOINTS))
     fields = re.findall(r"^    (double|int) (\w+)(?:\[(\d+)\])?;", struct_, re.M)
 
     found = [(name, int(count or 0), kind == "int") for kind, name, count in fields]
-    assert [field for field in found if field[0] != ADDED] == [
-        (name, MOST_THRUSTERS if count == PER_THRUSTER else count, name in observation.BOOLEANS)
-        for name, count, _unit, _meaning in observation.FIELDS
+    assert f"SEAMARK_MOST_JOINTS = {MAX_JOINTS} }}" in text
+    assert [field for field in found if field[0] not in ADDED] == [
+        (name, SIZES.get(count, count), name in observation.BOOLEANS)
+        for name, count, _unit, _meaning in FIELDS
     ]
 
 
@@ -94,11 +99,12 @@ def test_every_vehicle_fits_the_array_of_the_header() -> None:
 
 
 def test_the_runner_knows_every_field_of_the_observation() -> None:
-    known = re.findall(r'\{"(\w+)", AT\((\w+)\), (\d), (\d)\}', RUNNER.read_text("utf-8"))
+    text = RUNNER.read_text("utf-8").replace("SEAMARK_MOST_JOINTS", str(MAX_JOINTS))
+    known = re.findall(r'\{"(\w+)", AT\((\w+)\), (\d+), (\d)\}', text)
 
     assert [(name, at, int(count), int(boolean)) for name, at, count, boolean in known] == [
-        (name, name, MOST_THRUSTERS if count == PER_THRUSTER else max(count, 1), boolean)
-        for name, count, _unit, _meaning in observation.FIELDS
+        (name, name, SIZES.get(count, max(count, 1)), boolean)
+        for name, count, _unit, _meaning in FIELDS
         for boolean in (int(name in observation.BOOLEANS),)
     ]
 

@@ -43,6 +43,9 @@ function seamark_serve(relay)
                 else
                     command = controller_step(state, observe(data(2:end)));
                 end
+                if isnumeric(command) && numel(command) == 4
+                    command = [command(:)', zeros(1, numel(limits) - 4)]; % the joints of an arm rest
+                end
                 if ! (isnumeric(command) && isreal(command) && numel(command) == numel(limits) && all(abs(command(:)') <= limits))
                     seamark_refuse(to, command, data(2), limits);
                 end

@@ -144,24 +144,25 @@ def _number(offset: int, boolean: bool) -> Callable[[Observation], object]:
 def as_command(answer: Any) -> Sequence[float]:
     """Return the floats of a command; AnswerInvalid says what was returned instead."""
     values = answer if type(answer) is list else as_list(answer)
-    count = len(COMMAND_NAMES)
-    if len(values) != count:
+    if len(values) not in {VEHICLE, len(COMMAND_NAMES)}:
         raise AnswerInvalid(f"step returned {len(values)} values")
-    if count == VEHICLE:
+    if len(values) == VEHICLE:
+        rest = (0.0,) * (len(COMMAND_NAMES) - VEHICLE)  # of an arm
         a, b, c, d = values
         if type(a) in FLOATS and type(b) in FLOATS and type(c) in FLOATS and type(d) in FLOATS:
             a, b, c, d = numbers = float(a), float(b), float(c), float(d)
             most = MAX_VALUE
             small = -most <= a <= most and -most <= b <= most
             if small and -most <= c <= most and -most <= d <= most:
-                return numbers  # the usual case, and the fast one
-    return [as_number(index, value) for index, value in enumerate(values)]
+                return numbers + rest  # the usual case, and the fast one
+    numbers = tuple(as_number(index, value) for index, value in enumerate(values))
+    return numbers if len(numbers) > VEHICLE else numbers + rest
 
 
 def as_list(answer: Any) -> list[Any]:
     """Return the values of an answer that is no plain list; AnswerInvalid if it has none."""
     if isinstance(answer, np.ndarray):
-        if answer.shape != (len(COMMAND_NAMES),):
+        if answer.shape not in {(VEHICLE,), (len(COMMAND_NAMES),)}:
             raise AnswerInvalid(f"step returned an array of shape {answer.shape}")
         if answer.dtype.kind not in "fiu":
             raise AnswerInvalid(f"step returned an array of {answer.dtype}")
@@ -172,8 +173,8 @@ def as_list(answer: Any) -> list[Any]:
         raise AnswerInvalid(f"step returned a value of type {type(answer).__name__}")
     wanted = len(COMMAND_NAMES)
     values = list(itertools.islice(answer, wanted + 1))  # a user-defined list may be endless
-    if len(values) != wanted:
-        count = len(answer) if len(answer) != wanted else f"more than {wanted}"
+    if len(values) not in {VEHICLE, wanted}:
+        count = len(answer) if len(answer) not in {VEHICLE, wanted} else f"more than {wanted}"
         raise AnswerInvalid(f"step returned {count} values")
     return values
 
