@@ -11,10 +11,21 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import DTypeLike, NDArray
 
-from seamark.sim.control.observation import FIELDS, PER_THRUSTER, Observation
+from seamark.sim.control.observation import (
+    ARM_FIELDS,
+    FIELDS,
+    PER_FEELER,
+    PER_MOTOR,
+    PER_THRUSTER,
+    Observation,
+    arm_size,
+    joint_limits,
+)
 from seamark.sim.control.velocity_law import FASTEST_YAW_RAD_S
+from seamark.sim.settings.arm import NO_ARM
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
+from seamark.sim.vehicles.linkage_reading import load_linkage
 
 VELOCITY, THRUSTERS = "velocity", "thrusters"
 ACTIONS = (VELOCITY, THRUSTERS)
@@ -32,12 +43,17 @@ _BOUNDS = {
     "target_visible": (0.0, 1.0),
     "target_age": (0.0, _UNBOUNDED),
     "velocity_valid": (0.0, 1.0),
+    "touch": (0.0, 1.0),
 }
 
 
-def named(observation: NDArray[np.float64]) -> Observation:
-    """Return an observation by name, as an uploaded controller gets it: `named(obs).error`."""
-    return Observation(np.asarray(observation, dtype=np.float64))
+def named(observation: NDArray[np.float64], *, arm: str = NO_ARM) -> Observation:
+    """Return an observation by name, as an uploaded controller gets it: `named(obs).error`.
+
+    `arm` is the one that the vehicle carries, if any.
+    """
+    size = None if arm == NO_ARM else arm_size(load_linkage(arm))
+    return Observation(np.asarray(observation, dtype=np.float64), size)
 
 
 def most_thrusters(config: StationKeepingSettings) -> int:
@@ -49,8 +65,12 @@ def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.floa
     """Return the space of packed observations; the thrusts a vehicle does not have are 0."""
     low: list[float] = []
     high: list[float] = []
-    for name, count, _unit, _meaning in FIELDS:
+    arm = config.chosen_arm()
+    size = arm and arm_size(arm)
+    for name, count, _unit, _meaning in FIELDS + (ARM_FIELDS if size else ()):
         numbers = most_thrusters(config) if count == PER_THRUSTER else max(count, 1)
+        if size and count in {PER_MOTOR, PER_FEELER}:
+            numbers = size.count(count)
         least, greatest = _BOUNDS.get(name, (-_UNBOUNDED, _UNBOUNDED))
         low += [least] * numbers
         high += [greatest] * numbers
@@ -65,7 +85,8 @@ class Actions:
     space
         VELOCITY: surge, sway, heave [m/s] and yaw rate [rad/s], within the limits at which the
         vehicle saturates them. THRUSTERS: commands in [-1, 1], one per thruster; those that a
-        vehicle does not have are ignored. Normalised: all numbers in [-1, 1].
+        vehicle does not have are ignored. The speeds of the arm's joints follow [rad/s or m/s],
+        within those of its motors. Normalised: all numbers in [-1, 1].
     """
 
     def __init__(
@@ -83,6 +104,8 @@ class Actions:
             size = np.ones(most_thrusters(config))
         else:
             size = np.array([*[config.reference_limit_m_s] * 3, FASTEST_YAW_RAD_S])
+        arm = config.chosen_arm()
+        size = np.append(size, joint_limits(arm) if arm else [])
         self._scale = size if normalised else np.ones_like(size)
         self._most = size * (1.0 + _ROUNDED)
         bound = np.ones_like(size) if normalised else size

@@ -11,16 +11,25 @@ from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
+from seamark.sim.control.observation import empty
 from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
 from seamark.sim.engine.delay import STILL
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.reward import goal, reward_of
 from seamark.sim.engine.world import World
-from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
+from seamark.sim.recording.telemetry import (
+    ARM_INDEX,
+    ARM_JOINTS,
+    INDEX,
+    STEP_US,
+    has_arm,
+    width_for,
+)
 from seamark.sim.vehicles import own
 
 Observation = NDArray[Any]  # float64, or float32 if the environment is made so
 REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
+JOINT_REFERENCE = slice(ARM_INDEX["joint_ref_0"], ARM_INDEX["joint_ref_0"] + ARM_JOINTS)
 TRUE_COLUMNS: dict[str, Any] = {  # name in `info` -> columns of the telemetry
     "pose": slice(INDEX["x"], INDEX["yaw"] + 1),
     "velocity": slice(INDEX["u"], INDEX["r"] + 1),
@@ -120,6 +129,9 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self.action_space: gymnasium.Space[Any] = self._actions.space
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
         self._by_thrusters = action == THRUSTERS
+        arm = config.chosen_arm()
+        joints = len(arm.motors()) if arm else 0
+        self._vehicle_actions = self.action_space.shape[0] - joints  # those of the joints follow
         self._episodes = Episodes(self._experiment, config)
         self._loop: ClosedLoop | None = None
         self._held = _Held()
@@ -149,7 +161,10 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self._first_frame *= self._steps
         mount = self._world.camera.optics.mount_m
         self._goal = goal(vehicle, self._world.station, mount, self._world.tool_m)
-        self._step, self._row = 0, np.zeros(width_for(len(vehicle.thrusters)))
+        arm = self._world.arm
+        self._step, self._row = 0, np.zeros(width_for(len(vehicle.thrusters), arm=bool(arm)))
+        # Numbers of the observation that follow the thrusts, which a vehicle may have fewer of.
+        self._after_thrusts = len(self._running.observation) - len(empty(len(vehicle.thrusters)))
 
     def _sense(self) -> None:
         self._running.sense(self._step, self._row)
@@ -181,16 +196,19 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         """Take an action for the next control step."""
         if action.shape != self.action_space.shape:
             raise ValueError(f"an action has shape {self.action_space.shape}, not {action.shape}")
+        joints = tuple(action[self._vehicle_actions :].tolist())
         if isinstance(self._loop, _ThrusterLoop):
             self._loop.thrust_commands[:] = action[: len(self._loop.thrust_commands)]
+            self._held.command = (*STILL, *joints)
         else:
-            surge, sway, heave, yaw_rate = action.tolist()
-            self._held.command = (surge, sway, heave, yaw_rate)
+            self._held.command = (*action[: self._vehicle_actions].tolist(), *joints)
 
     def _observation(self) -> Observation:
         values = self._running.observation
         observation = np.zeros(self._observed, self._dtype)
-        observation[: len(values)] = values
+        vehicle = len(values) - self._after_thrusts
+        observation[:vehicle] = values[:vehicle]
+        observation[len(observation) - self._after_thrusts :] = values[vehicle:]
         return observation
 
     def _truth(self) -> dict[str, Any]:
@@ -202,6 +220,8 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         row = self._row.copy()
         row[REFERENCE] = 0.0
         row[STEP_US] = 0.0
+        if has_arm(len(row)):
+            row[JOINT_REFERENCE] = 0.0
         return row
 
     def render(self) -> NDArray[np.uint8] | None:

@@ -77,13 +77,19 @@ def layout(vehicle: str, arm: Linkage | None = None) -> dict[str, Any]:
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
     if arm is None:
         return packed
-    size, speeds = arm_size(arm), [link.joint.speed for link in arm.links]
+    size = arm_size(arm)
     further = [[name, size.count(count)] for name, count, _unit, _meaning in ARM_FIELDS]
     return packed | {
         "observation": fields + further,
         "command": [*COMMAND, *arm.motors()],
-        "joint_limits": [speed.scalar for speed in speeds if speed],
+        "joint_limits": joint_limits(arm),
     }
+
+
+def joint_limits(arm: Linkage) -> list[float]:
+    """Return the fastest speed of each motor of an arm [rad/s or m/s]."""
+    speeds = [link.joint.speed for link in arm.links]
+    return [speed.scalar for speed in speeds if speed]
 
 
 def _starts() -> dict[str, int]:

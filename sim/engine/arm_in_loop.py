@@ -46,10 +46,10 @@ class ArmInLoop:
         row[self._touch], row[self._peak] = plant.readings.touch_n, plant.readings.peak_n[0]
         self._sensors.read(reading, self._true, plant.readings.touch_n, self._seen)
 
-    def command(self, speeds: Sequence[float], row: Array) -> None:
-        """Record the speeds that a program commands; with none, the joints rest."""
-        row[self._reference] = speeds or 0.0
+    def command(self, sent: Sequence[float], arrived: Sequence[float], row: Array) -> None:
+        """Record the speeds that a program sends; the motors tend to those that have arrived.
 
-    def drive(self, speeds: Sequence[float]) -> None:
-        """Let the motors tend to these speeds, as far as they can."""
-        self._plant.drive(speeds)
+        With none, the joints rest.
+        """
+        row[self._reference] = sent or 0.0
+        self._plant.drive(arrived)

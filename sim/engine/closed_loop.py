@@ -136,13 +136,14 @@ class ClosedLoop:
             self._reset()
         reference = self._program_step()
         row[_REFERENCE], row[STEP_US] = reference[:VEHICLE], self._step_us
+        arrived = self._delayed.step(reference)
         if self._arm is not None:
-            self._arm.command(reference[VEHICLE:], row)
+            self._arm.command(reference[VEHICLE:], arrived[VEHICLE:], row)
         plant, steps = self._world.plant, self._physics_steps
         if self._autopilot is not None:
             self._fly(self._autopilot, step * steps)
             return
-        commands = self.commands(reference)
+        commands = self.commands(arrived[:VEHICLE])
         if not all(map(math.isfinite, commands.tolist())):
             raise _invalid(self._start_s + step * self._dt, "the thrusters' command")
         plant.advance(step * steps, commands, steps)
@@ -216,13 +217,10 @@ class ClosedLoop:
         )
 
     def commands(self, reference: Command) -> NDArray[np.float64]:
-        """Return the thrusters' commands, (n,) in [-1, 1]."""
+        """Return the thrusters' commands, (n,) in [-1, 1], for a reference that has arrived."""
         if self._oracle is not None:
             return self._oracle.commands()
-        arrived = self._delayed.step(reference)
-        if self._arm is not None:
-            self._arm.drive(arrived[VEHICLE:])
-        return self._world.velocity_controller.step(arrived[:VEHICLE], self._dt)
+        return self._world.velocity_controller.step(reference, self._dt)
 
     def _program_step(self) -> Command:
         before = time.perf_counter_ns()

@@ -30,6 +30,8 @@ LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
 
 def unsupported(config: StationKeepingSettings) -> str:
     """Return why a fleet cannot run a configuration; empty if it can."""
+    if config.chosen_arm() is not None:
+        return "a vehicle with an arm (arm) needs the single environment"
     if config.fault_thruster >= 0:
         return "thruster faults (fault_thruster) need the single environment"
     if config.seabed_relief_m:

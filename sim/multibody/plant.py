@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from seamark.sim.multibody.assembly import Assembly, Mounting, assemble
+from seamark.sim.multibody.assembly import Assembly, Mounting, assemble, vehicle_link
 from seamark.sim.multibody.loads import contact_force, write_loads
 from seamark.sim.multibody.mechanism import command_for, work_for
 from seamark.sim.multibody.solver import Timing
@@ -104,19 +104,22 @@ class ArmedPlant(Plant):
         self._move = SameTypes(advance_and_measure)
 
     def _trim(self) -> None:
-        """Let the vehicle carry floats as heavy as its arm, so that it lies as it does without.
+        """Let the vehicle carry floats that lift as much as its arm weighs, so that it lies level.
 
-        E: operators trim a vehicle with its arm in its home pose; floats have no mass here.
+        E: operators trim a vehicle with its arm in its home pose. These floats have no mass and are
+        at the height of the body's origin.
         """
-        model, frames = self._model, self._parts.frames
+        model, frames, bare = self._model, self._parts.frames, vehicle_link(self.vehicle)
         place(model.structure, model.links, self._start, frames)
+        # The parts of an arm that do not move are in the vehicle's link already.
+        model.links.net_weight[0], model.links.moment[0] = bare.net_weight, bare.moment
         for i, root in enumerate(model.structure.root):
             if i == 0 or root != 0:
                 continue
             weight = model.links.net_weight[i]
             moment = rotate(frames.rotation, i, three(model.links.moment, i, 0))
             model.links.net_weight[0] -= weight
-            model.links.moment[0] -= np.array(moment) + weight * frames.position[i]
+            model.links.moment[0, :2] -= (np.array(moment) + weight * frames.position[i])[:2]
 
     def reset(self, pose: Array) -> None:
         """Put the vehicle at rest at a pose, its arm in its home pose, things where they belong."""

@@ -150,11 +150,11 @@ def as_command(answer: Any) -> Sequence[float]:
         rest = (0.0,) * (len(COMMAND_NAMES) - VEHICLE)  # of an arm
         a, b, c, d = values
         if type(a) in FLOATS and type(b) in FLOATS and type(c) in FLOATS and type(d) in FLOATS:
-            a, b, c, d = numbers = float(a), float(b), float(c), float(d)
+            a, b, c, d = four = float(a), float(b), float(c), float(d)
             most = MAX_VALUE
             small = -most <= a <= most and -most <= b <= most
             if small and -most <= c <= most and -most <= d <= most:
-                return numbers + rest  # the usual case, and the fast one
+                return four + rest  # the usual case, and the fast one
     numbers = tuple(as_number(index, value) for index, value in enumerate(values))
     return numbers if len(numbers) > VEHICLE else numbers + rest
 
