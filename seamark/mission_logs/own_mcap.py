@@ -15,8 +15,8 @@ TOPIC, TYPE = "/telemetry", "seamark_msgs/msg/Telemetry"
 _LITTLE_ENDIAN = b"\x00\x01"  # how a message of CDR begins
 _HEAD_BYTES = 4
 _FRAME_AT = 8  # length of the name of the frame, after the stamp
-_THRUSTERS_MAX = 64
-_WIDTHS = range(telemetry.WIDTH, telemetry.width_for(_THRUSTERS_MAX) + 1)
+_THRUSTERS_MAX = 32
+_WIDTHS = range(telemetry.WIDTH, telemetry.width_for(_THRUSTERS_MAX, arm=True) + 1)
 
 
 def read(messages: Iterable[bytes]) -> list[Samples]:
