@@ -7,11 +7,12 @@ import numpy as np
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.hydrodynamics import write_rotation
-from tests.sim.multibody.scenes import STEP_S, vehicle_with_arm
+from tests.sim.multibody.scenes import JAW_ROTOR, STEP_S, vehicle_with_arm
 from tests.sim.multibody.test_contacts import MINUTE, Scene
 
 EVERY = 25  # steps between two commands
 START = (0.055, 0.0, 5.0)
+JAWS, START_JAWS = slice(11, 13), np.array([-0.3, 0.3])
 
 
 class AtValve:
@@ -22,18 +23,22 @@ class AtValve:
     PER_S = 0.4  # of an error that stays
     TURNS_S = (8.0, 15.0)
 
-    def __init__(self) -> None:
+    def __init__(self, *, iterations: int = 10, jaw_rotor: float = JAW_ROTOR) -> None:
         """Reach around the lever."""
         mechanism = vehicle_with_arm(valve_torque=3.0)
+        for link in mechanism.links:
+            if link.name in ("left", "right"):
+                link.rotor = jaw_rotor
         mechanism.links[0].net_weight -= sum(link.net_weight for link in mechanism.links)
         self.mechanism = mechanism
-        self.scene = Scene(mechanism)
+        self.scene = Scene(mechanism, iterations=iterations)
         self.q = self.scene.state.q
         self.q[:3] = START
-        self.q[10], self.q[11], self.q[12] = 0.5 * np.pi, -0.3, 0.3
+        self.q[10], self.q[JAWS] = 0.5 * np.pi, START_JAWS
         self.to_thrusts = np.linalg.pinv(mechanism.allocation)
         self.stays = np.zeros(6)
         self.touching = 0
+        self.slack = 0.0  # [rad] most that the jaws, told to rest, have moved
 
     def thrusts(self) -> Array:
         """Return the thrusts that keep it at its place."""
@@ -61,6 +66,8 @@ class AtValve:
             start = time.process_time()
             scene.run(EVERY)
             used += time.process_time() - start
+            jaws = np.abs(self.q[JAWS] - START_JAWS)
+            self.slack = max(self.slack, float(jaws.max()))
             self.touching += bool(scene.state.impulses.contact[:, 0].any())
         return used
 

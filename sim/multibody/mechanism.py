@@ -294,6 +294,7 @@ class Mechanism:
     def _rows(self, structure: Structure) -> Rows:
         entries = list(self._joint_rows())
         places = list(dict.fromkeys((row.link, row.other, row.ratio) for row in entries))
+        place = [places.index((row.link, row.other, row.ratio)) for row in entries]
         links = [self.number(link) for link, _, _ in places]
         others = [self.number(other) for _, other, _ in places]
         lists = [self._place_chain(i, j, structure) for i, j in zip(links, others, strict=True)]
@@ -302,8 +303,10 @@ class Mechanism:
         frictions = [self.shapes[a].friction * self.shapes[b].friction for a, b in pairs]
         return Rows(
             kind=_integers([row.kind for row in entries]),
-            place=_integers([places.index((r.link, r.other, r.ratio)) for r in entries]),
+            place=_integers(place),
             motor=_integers([row.motor for row in entries]),
+            order=_integers(sorted(range(len(place)), key=place.__getitem__)),
+            first=_integers([sum(one < k for one in place) for k in range(len(places) + 1)]),
             speed=_integers([structure.speed[i] for i in links]),
             other=_integers([WORLD if i == WORLD else structure.speed[i] for i in others]),
             coordinate=_integers([structure.coordinate[i] for i in links]),

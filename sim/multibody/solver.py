@@ -43,6 +43,8 @@ class Rows(NamedTuple):
     kind: Integers  # (r,)
     place: Integers  # (r,) of the row
     motor: Integers  # (r,) which command it follows
+    order: Integers  # (r,) rows by their places
+    first: Integers  # (b + 1,) where those of a place begin in `order`
     speed: Integers  # (b,) degree of freedom
     other: Integers  # (b,) coupled degree of freedom, or -1
     coordinate: Integers  # (b,) its coordinate
@@ -308,16 +310,21 @@ def _push(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
-    for r in range(rows.kind.size):
-        place = rows.place[r]
+    for place in range(rows.speed.size):
         chain = _chain_of(place, rows)
-        old, soft = impulses.joint[r], work.soft[r]
+        size = work.basis_size[place]
         speed = _product(work.basis, place, chain, rows, work.w)
-        change = (speed + work.wanted[r]) + soft * old
-        new = old - change / (work.basis_size[place] + soft)
-        new = smaller(larger(new, work.low[r]), work.high[r])
-        impulses.joint[r] = new + 0.0
-        _push(work.basis, place, chain, new - old, rows, work.w)
+        given = like(speed, 0.0)
+        # Rows of one place change one speed: it is read and written once for all of them.
+        for k in range(rows.first[place], rows.first[place + 1]):
+            r = rows.order[k]
+            old, soft = impulses.joint[r], work.soft[r]
+            change = ((speed + given * size) + work.wanted[r]) + soft * old
+            new = old - change / (size + soft)
+            new = smaller(larger(new, work.low[r]), work.high[r])
+            impulses.joint[r] = new + 0.0
+            given += new - old
+        _push(work.basis, place, chain, given, rows, work.w)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -361,9 +368,11 @@ def _begin(count: int, v: Array, constraints: Constraints, frames: Frames, work:
             value += frames.factor[i, j] * v[j]
             j = above[j]
         w[i] = frames.scale[i] * value
-    for r in range(rows.kind.size):
-        place = rows.place[r]
-        _push(work.basis, place, _chain_of(place, rows), impulses.joint[r], rows, w)
+    for place in range(rows.speed.size):
+        given = like(w[0], 0.0)
+        for k in range(rows.first[place], rows.first[place + 1]):
+            given += impulses.joint[rows.order[k]]
+        _push(work.basis, place, _chain_of(place, rows), given, rows, w)
     for at in range(count):
         slot = work.used[at]
         chain = _chain_of(rows.speed.size + work.pair_of[at], rows)

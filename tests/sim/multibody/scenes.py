@@ -21,6 +21,7 @@ from seamark.sim.vehicles import STANDARD_GRAVITY, load
 
 STEP_S = 0.002
 DENSITY = 1000.0
+JAW_ROTOR = 1e-3  # [kg m²] a small motor behind its gear: more than the jaws' own inertia
 GROUND = Bottom(10.0).ground()
 LENGTHS = {
     "base": 0.05,
@@ -123,6 +124,8 @@ def vehicle_with_arm(*, valve_torque: float | None = None) -> Mechanism:
         Shape(name="ground", kind="ground"),
         Shape(name="hull", kind="box", link="vehicle", size=(0.23, 0.29, 0.13)),
     ]
+    for jaw in parts[-2:]:
+        jaw.rotor = JAW_ROTOR
     for part in parts:
         half, radius = 0.5 * LENGTHS[part.name], 0.006 if part.name in ("left", "right") else 0.02
         place, size = (half, 0.0, 0.0), (radius, half, 0.0)

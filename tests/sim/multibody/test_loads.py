@@ -30,7 +30,7 @@ def test_joints_transmit_what_their_rows_give_and_nothing_is_left_over_at_the_ve
 
         assert np.abs(loads[0]).max() < 1e-10
         for link in range(1, len(mechanism.links)):
-            given = 0.0
+            given = -model.links.rotor[link] * work.acceleration[speed[link]]
             for row, place in enumerate(rows.place):
                 own = rows.speed[place] == speed[link]
                 tied = rows.other[place] == speed[link]
