@@ -12,6 +12,7 @@ import cv2
 from seamark.sim import registry, trackers
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.multibody import hull
+from seamark.sim.multibody import plant as armed
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
 from seamark.sim.physics import plant
@@ -34,6 +35,7 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     cv2.setNumThreads(1)
     # Large parts first; the registry lists the newest benchmarks first, and the others need less.
     parts = {"plant": plant.warm_up, "contacts": hull.warm_up, "trackers": trackers.warm_up}
+    parts["arm"] = armed.warm_up
     parts |= {name: partial(_shortest_trial, name) for name in registry.BENCHMARKS}
     names = list(parts)
     run_parts(
