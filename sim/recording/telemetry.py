@@ -133,9 +133,14 @@ def width_for(thrusters: int, *, arm: bool = False) -> int:
     return WIDTH + arm * ARM_WIDTH + max(thrusters - COMMON_THRUSTERS, 0)
 
 
+def numbered(name: str, count: int) -> tuple[str, ...]:
+    """Return the names of columns that differ by a number, such as joint_0 and joint_1."""
+    return tuple(f"{name}_{index}" for index in range(count))
+
+
 def thrust_names(thrusters: int) -> tuple[str, ...]:
     """Return the names of the columns with the thrust of a vehicle's thrusters."""
-    return tuple(_thrust(index).name for index in range(thrusters))
+    return numbered("thrust", thrusters)
 
 
 def thrusts(rows: Rows) -> Rows:

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from seamark.sim.recording.telemetry import ARM_FEELERS, ARM_JOINTS
+from seamark.sim.recording.telemetry import ARM_COLUMNS, ARM_FEELERS, ARM_JOINTS
 from seamark.sim.registry import ARMS
 from seamark.sim.settings.current import CurrentSettings
 from seamark.sim.settings.experiment import ExperimentSettings
@@ -13,6 +13,7 @@ from seamark.sim.vehicles.linkage_reading import load_linkage
 
 GROUP = "Arm"
 NO_ARM = "none"
+_OF_JOINTS = ("joint", "joint_speed", "joint_ref", "joint_effort")
 arm_setting = partial(setting, group=GROUP, role="scenario")
 
 
@@ -36,8 +37,18 @@ class ArmSettings(ExperimentSettings, CurrentSettings):
     )
 
     def chosen_arm(self) -> Linkage | None:
-        """Return the arm, if there is one."""
-        return None if self.arm == NO_ARM else load_linkage(self.arm)
+        """Return the arm, if there is one; a stored run may name one that no longer exists."""
+        return load_linkage(self.arm) if self.arm in ARMS else None
+
+    def unused_columns(self) -> frozenset[str]:
+        """Return the columns of the arm too that it does not use."""
+        arm = self.chosen_arm()
+        if arm is None:
+            return super().unused_columns() | {column.name for column in ARM_COLUMNS}
+        motors = range(len(arm.motors()), ARM_JOINTS)
+        names = {f"{name}_{at}" for name in _OF_JOINTS for at in motors}
+        feelers = range(len(arm.outer), ARM_FEELERS)
+        return super().unused_columns() | names | {f"touch_{at}" for at in feelers}
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
@@ -61,8 +72,3 @@ class ArmSettings(ExperimentSettings, CurrentSettings):
                 "water; the body force acts on a vehicle alone."
             )
         return errors | super().cross_field_errors()
-
-
-def fits_telemetry(arm: Linkage) -> bool:
-    """Return whether the columns of telemetry have room for an arm."""
-    return len(arm.motors()) <= ARM_JOINTS and len(arm.outer) <= ARM_FEELERS

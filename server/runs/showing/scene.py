@@ -4,6 +4,7 @@ The same objects as the vehicle's camera shows, for a view from outside. Lengths
 north, east, down; body frame forward, starboard, down.
 """
 
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -16,6 +17,9 @@ from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles.linkage import Linkage, LinkData
+from seamark.sim.vehicles.model import Place
+from seamark.sim.vehicles.solids import Solid
 
 TEXTURE_PX = 512  # side of the seabed's picture; a texel of it is 1 cm
 Part = Literal["seabed", "target"]
@@ -38,7 +42,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
     return {
-        "vehicle": None if name is None else vehicle_shape(load(name)),
+        "vehicle": None if name is None else vehicle_shape(load(name), config.chosen_arm()),
         "target": {
             "centre": target.origin().tolist(),
             "size": target.size_m,
@@ -61,8 +65,8 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     }
 
 
-def vehicle_shape(vehicle: Vehicle) -> dict[str, Any]:
-    """Return hull, thrusters and looks of a vehicle as JSON."""
+def vehicle_shape(vehicle: Vehicle, arm: Linkage | None = None) -> dict[str, Any]:
+    """Return hull, thrusters, looks and arm of a vehicle as JSON."""
     return {
         "name": vehicle.name,
         "title": vehicle.title,
@@ -75,18 +79,57 @@ def vehicle_shape(vehicle: Vehicle) -> dict[str, Any]:
             for one in vehicle.thrusters
         ],
         "thrust_max": max(vehicle.curve.limits.value),
-        "solids": [
-            {
-                "shape": one.shape,
-                "size": one.size,
-                "centre": one.centre,
-                "colour": one.paint.colour,
-                "livery": one.paint.livery,
-            }
-            for one in vehicle.drawn()
-        ],
+        "solids": _solids(vehicle.drawn()),
         "nozzle_radius": vehicle.nozzle_radius_m,
+        "arm": None if arm is None else _arm_shape(arm, vehicle.mounts[arm.name]),
     }
+
+
+def _solids(solids: Iterable[Solid]) -> list[dict[str, Any]]:
+    return [
+        {
+            "shape": one.shape,
+            "size": one.size,
+            "centre": one.centre,
+            "colour": one.paint.colour,
+            "livery": one.paint.livery,
+        }
+        for one in solids
+    ]
+
+
+def _arm_shape(arm: Linkage, mount: Place) -> dict[str, Any]:
+    """Return the links of an arm, parents first, and how each moves with the columns of joints."""
+    names, motors = [link.name for link in arm.links], arm.motors()
+    sensor, feelers = arm.force_sensor, arm.outer
+    return {
+        **_place(mount),
+        "links": [
+            {
+                "parent": None if link.parent is None else names.index(link.parent),
+                **_place(link.joint.place),
+                "joint": _joint(link, motors),
+                "solids": _solids(link.solids),
+                "touch": [feelers.index(each.name) for each in link.shapes if each.name in feelers],
+            }
+            for link in arm.links
+        ],
+        "force_sensor": sensor and {"link": names.index(sensor.link), **_place(sensor.place)},
+    }
+
+
+def _place(place: Place) -> dict[str, Any]:
+    return {"place": place.point.value, "turn": place.turn.value}
+
+
+def _joint(link: LinkData, motors: Sequence[str]) -> dict[str, Any] | None:
+    """Return kind, axis, and the number of the motor whose coordinate times the ratio it has."""
+    joint = link.joint
+    leader, ratio = joint.follows or (link.name, 1.0)
+    if leader not in motors:
+        return None
+    moved = {"column": motors.index(leader), "ratio": ratio}
+    return {"kind": joint.kind, "axis": joint.axis, **moved}
 
 
 def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:

@@ -73,12 +73,30 @@ export interface Solid {
   livery: boolean;
 }
 
+export interface Placed {
+  place: Triple;
+  turn: Triple; // [rad] roll, pitch, yaw
+}
+
+export interface ArmLink extends Placed {
+  parent: number | null;
+  joint: { kind: "revolute" | "prismatic"; axis: Triple; column: number; ratio: number } | null;
+  solids: Solid[];
+  touch: number[];
+}
+
+export interface ArmShape extends Placed {
+  links: ArmLink[];
+  force_sensor: ({ link: number } & Placed) | null;
+}
+
 export interface VehicleShape {
   hull: { centre: Triple; size: Triple }[];
   solids: Solid[];
   thrusters: { position: Triple; direction: Triple }[];
   thrust_max: number;
   nozzle_radius: number;
+  arm: ArmShape | null;
 }
 
 export interface TargetShape {

@@ -12,6 +12,7 @@ const ALWAYS = [
   ...["level", "x", "y", "z", "roll", "pitch", "yaw", "current_x", "current_y", "current_z"],
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
 ];
+const NUMBERED = /^(thrust|joint|touch)_\d+$|^wrist_f[xyz]$/; // of thrusters and an arm
 
 /**
  * The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
@@ -20,7 +21,7 @@ const ALWAYS = [
  */
 export function rowColumns(columns) {
   const names = columns.map(({ name }) => name);
-  return names.filter((name) => ALWAYS.includes(name) || name.startsWith("thrust_"));
+  return names.filter((name) => ALWAYS.includes(name) || NUMBERED.test(name));
 }
 
 /**

@@ -1,58 +1,19 @@
 // The vehicles from simple solids in the body frame: x forward, y starboard, z down. Solids and thrusters
 // are those of the vehicle's own data (sim/vehicles).
 /**
- * @import { ColorRepresentation, Material, MeshLambertMaterialParameters, Object3D } from "three"
- * @import { Row, Solid, Triple, VehicleShape } from "../../server_data.d.ts"
+ * @import { Object3D } from "three"
+ * @import { Row, VehicleShape } from "../../server_data.d.ts"
  */
 import * as THREE from "../../../vendor/three/three.min.js";
+import { Arm } from "./arm.js";
+import { Arrow, groupOf, paint, part } from "./solids.js";
 
 const ARROW_M = 0.9; // of full thrust
 const BLADES = 3;
 const TURN = 26; // [rad] per second of simulated time at full thrust; eyes cannot follow more
 const SPIN_MAX = 0.7; // [rad] per picture, so that blades do not seem to stand still
 
-/** @type {(color: ColorRepresentation, options?: MeshLambertMaterialParameters) => THREE.MeshLambertMaterial} */
-const paint = (color, options = {}) => new THREE.MeshLambertMaterial({ color, ...options });
 const PAINT = { dark: paint(0x20262b), white: paint(0xe9f0f2), arrow: paint(0xff7a1a) };
-
-/**
- * @param {THREE.BufferGeometry} geometry
- * @param {Material} material
- * @param {Triple} [place]
- */
-function part(geometry, material, [x, y, z] = [0, 0, 0]) {
-  const mesh = new THREE.Mesh(geometry, material);
-  mesh.position.set(x, y, z);
-  return mesh;
-}
-
-/** @type {Record<Solid["shape"], (size: Triple) => THREE.BufferGeometry>} */
-const GEOMETRIES = {
-  box: ([x, y, z]) => new THREE.BoxGeometry(x, y, z),
-  cylinder: ([x, y]) => new THREE.CylinderGeometry(y / 2, y / 2, x, 18),
-  capsule: ([x, y]) => new THREE.CapsuleGeometry(y / 2, x - y, 6, 18),
-  sphere: ([x]) => new THREE.SphereGeometry(x / 2, 16, 10),
-};
-const LENGTHWISE = ["cylinder", "capsule"]; // along the x axis
-
-/**
- * solids: of scene.json
- * @param {VehicleShape} shape
- */
-function hullOf({ solids }) {
-  const group = new THREE.Group();
-  /** @type {Map<string, Material>} */
-  const paints = new Map();
-  for (const { shape, size, centre, colour, livery } of solids) {
-    const known = paints.get(colour) ?? paint(colour);
-    paints.set(colour, known);
-    const mesh = part(GEOMETRIES[shape](size), known, centre);
-    if (LENGTHWISE.includes(shape)) mesh.rotation.z = Math.PI / 2;
-    mesh.userData.livery = livery;
-    group.add(mesh);
-  }
-  return group;
-}
 
 // A camera that moves without a vehicle.
 function lone() {
@@ -87,11 +48,8 @@ class Thruster {
       this.blades.add(arm);
     }
     this.group.add(this.blades);
-    this.shaft = part(new THREE.CylinderGeometry(0.013, 0.013, 1, 8), PAINT.arrow);
-    this.head = part(new THREE.ConeGeometry(0.042, 0.11, 12), PAINT.arrow);
-    this.arrow = new THREE.Group();
-    this.arrow.add(this.shaft, this.head);
-    this.group.add(this.arrow);
+    this.arrow = new Arrow(PAINT.arrow);
+    this.group.add(this.arrow.group);
   }
 
   /**
@@ -102,12 +60,8 @@ class Thruster {
   show(share, seconds) {
     const turn = Math.sign(share) * Math.sqrt(Math.abs(share)) * TURN * seconds;
     this.blades.rotation.y += Math.min(Math.max(turn, -SPIN_MAX), SPIN_MAX);
-    const length = Math.abs(share) * ARROW_M;
-    this.arrow.visible = length > 0.02;
-    this.arrow.scale.y = Math.sign(share) || 1;
-    this.shaft.scale.y = Math.max(length, 0.01);
-    this.shaft.position.y = length / 2;
-    this.head.position.y = length + 0.05;
+    this.arrow.show(Math.abs(share) * ARROW_M);
+    this.arrow.group.scale.y = Math.sign(share) || 1;
   }
 }
 
@@ -143,10 +97,13 @@ export class Vehicle {
     this.group.rotation.order = "ZYX"; // yaw, then pitch, then roll
     this.max = shape?.thrust_max ?? 1;
     this.thrusters = (shape?.thrusters ?? []).map((one) => new Thruster(one, shape?.nozzle_radius ?? 0));
-    this.hull = shape ? hullOf(shape) : lone();
+    this.hull = shape ? groupOf(shape.solids) : lone();
     this.group.add(this.hull, ...this.thrusters.map(({ group }) => group));
+    this.arm = shape?.arm ? new Arm(shape.arm) : null;
+    if (this.arm) this.group.add(this.arm.group);
     if (ghost || colour) repaint(this.group, colour, ghost);
-    if (ghost) for (const { arrow } of this.thrusters) arrow.removeFromParent();
+    if (ghost)
+      for (const { arrow } of [...this.thrusters, ...(this.arm ? [this.arm] : [])]) arrow.group.removeFromParent();
   }
 
   /**
@@ -161,5 +118,6 @@ export class Vehicle {
     for (const [index, thruster] of this.thrusters.entries()) {
       thruster.show((row[`thrust_${index}`] ?? 0) / this.max, seconds);
     }
+    this.arm?.show(row);
   }
 }
