@@ -34,6 +34,7 @@ from seamark.sim.vehicles.linkage import (
 )
 from seamark.sim.vehicles.matrices import applied, multiplied, quaternion_of, shifted, turned
 from seamark.sim.vehicles.model import Place
+from seamark.sim.vehicles.solids import Solid
 
 VEHICLE = "vehicle"
 BOTTOM = "bottom"
@@ -63,8 +64,20 @@ class Frame:
 
     def inner(self, place: Place) -> "Frame":
         """Return axes that are placed in these."""
-        point = self.point + applied(self.turn, place.point.value)
+        point = self.at(place.point.value)
         return Frame(self.link, point, multiplied(self.turn, _rotation(place)))
+
+    def at(self, point: Sequence[float]) -> Array:
+        """Return a point of these axes in those of the link, (3,) [m]."""
+        return self.point + applied(self.turn, point)
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A solid that is drawn, and the axes that it lies in."""
+
+    on: Frame
+    solid: Solid
 
 
 @dataclass(slots=True, kw_only=True)
@@ -86,6 +99,7 @@ class Assembly:
     feelers: tuple[str, ...] = ()  # those that may touch something
     force_sensor: Frame | None = None  # on the arm
     camera: Frame | None = None  # on the arm; it looks along x
+    looks: tuple[Look, ...] = ()
 
     def state(self, model: Model) -> State:
         """Return a state at rest, free things where they were put."""
@@ -139,7 +153,20 @@ def assemble(
         feelers=() if arm is None else _own(arm, arm.linkage.outer),
         force_sensor=None if arm is None else _spot(arm, arm.linkage.force_sensor, frames),
         camera=None if arm is None else _spot(arm, arm.linkage.camera, frames),
+        looks=tuple(_looks(vehicle, mountings, frames)),
     )
+
+
+def _looks(
+    vehicle: Vehicle | None, mountings: Sequence[Mounting], frames: Mapping[str, Frame]
+) -> Iterator[Look]:
+    """Yield the solids of a vehicle, then those of linkages."""
+    for solid in vehicle.drawn() if vehicle else ():
+        yield Look(Frame(VEHICLE, np.zeros(3), np.eye(3)), solid)
+    for mounting in mountings:
+        for link in mounting.linkage.links:
+            for solid in link.solids:
+                yield Look(frames[f"{mounting.prefix}{link.name}"], solid)
 
 
 def _own(mounting: Mounting, names: Sequence[str]) -> tuple[str, ...]:

@@ -20,9 +20,13 @@ YELLOW, BLUE, FOAM = (Paint(colour, livery=True) for colour in ("#f2b61d", "#166
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """One solid along the body axes: x forward, y starboard, z down."""
+    """One solid along the body axes: x forward, y starboard, z down.
+
+    Cameras see letters on the faces of a box that is `lettered`.
+    """
 
     shape: Shape
     size: Point  # [m] whole lengths
     centre: Point  # [m]
     paint: Paint
+    lettered: bool = False

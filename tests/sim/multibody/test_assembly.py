@@ -153,6 +153,23 @@ def test_a_fixed_part_is_as_if_the_vehicle_were_heavier_there() -> None:
     assert np.linalg.eigvalsh(inertia) == pytest.approx(sorted(base.inertia.value[:3]))
 
 
+def test_every_solid_is_drawn_on_a_link_that_moves_or_in_the_world() -> None:
+    vehicle, arm, valve = load("bluerov2-heavy"), load_linkage("alpha-like"), load_linkage("valve")
+    mountings = [on_vehicle("alpha-like", 0.3, -0.4, 0.5), in_world("valve", 1.0, 2.0, 3.0)]
+
+    assembly = assemble(vehicle, mountings)
+
+    solids = [solid for each in (arm, valve) for link in each.links for solid in link.solids]
+    base, panel = arm.link("base").solids[0], valve.link("panel").solids[0]
+    on = {look.solid: look.on for look in assembly.looks}
+    assert [look.solid for look in assembly.looks] == [*vehicle.drawn(), *solids]
+    assert on[arm.link("wrist").solids[0]].link == "wrist"
+    assert on[base].link == VEHICLE  # what is fixed is on what carries it
+    assert np.linalg.norm(on[base].at(base.centre) - [0.2, 0.0, 0.1]) == pytest.approx(0.03)
+    assert on[panel].link is None
+    assert on[panel].at(panel.centre).tolist() == pytest.approx([1.12, 2.0, 3.0])
+
+
 def test_a_thing_starts_where_it_is_put_and_comes_to_rest_on_the_bottom() -> None:
     assembly = assemble(None, [in_world("black-box", 1.0, 2.0, 9.85, 0.0, 0.0, 0.7)])
     model = assembly.mechanism.model(STEP_S)

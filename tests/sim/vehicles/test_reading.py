@@ -58,10 +58,10 @@ def changed(before: str, after: str) -> str:
 
 
 def content_of(value: Any) -> Any:
-    """Return a vehicle as JSON, as it was before quantities had a spread and arms their places."""
+    """Return a vehicle as JSON, without what the newest fields say: its first form."""
     match value:
         case dict():
-            old = value.keys() - {"spread", "mounts"}
+            old = value.keys() - {"spread", "mounts", "lettered"}
             return {key: content_of(one) for key, one in value.items() if key in old}
         case list() | tuple():
             return [content_of(one) for one in value]
@@ -173,6 +173,11 @@ MISTAKES = {
     "no direction": ("direction = [0.0, 0.0, 1.0]", "direction = [0, 0, 0]", "must not be zero"),
     "name": ('name = "bluerov2-heavy"', 'name = "../etc/passwd"', "small letters, digits and"),
     "twice": ('name = "front port"', 'name = "front starboard"', "'front starboard' is taken"),
+    "letters": (
+        'colour = "#20262b"',
+        'colour = "#20262b", lettered = 1',
+        "drawing.solids 5.lettered must be true or false",
+    ),
     "colour": ('"#20262b"', '"red;}"', "drawing.solids 5.colour must be # and six digits"),
     "shape": ('"sphere"', '"torus"', "one of box, cylinder, capsule, sphere, not 'torus'"),
     "default": ("tilt_hold = true", "tilt_hold = [1]", "defaults.tilt_hold must be a number"),
