@@ -31,6 +31,38 @@ def _noise_bank(seed: int, width: int) -> NDArray[np.float32]:
     return np.concatenate([bank, bank[: width + CHUNK]])
 
 
+def sensor_noise(water: Water, noise_seed: int, width: int) -> SensorNoise:
+    """Return the noise of a camera with images of this width [px]."""
+    seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # int64, so one compilation
+    return SensorNoise(
+        bank=_noise_bank(seed, width),
+        seed=seed,
+        read_variance=float(water.read_sigma_grey) ** 2,
+        shot_gain=float(water.shot_gain),
+    )
+
+
+def effect_parameters(effects: Effects, noise_seed: int) -> EffectParameters:
+    """Return the effects for the kernels."""
+    seed = noise_seed & 0x7FFFFFFF
+    sine, cosine = sin(effects.lamp_cone_rad), cos(effects.lamp_cone_rad)
+    return EffectParameters(
+        exposure_s=float(effects.exposure_s),
+        level=float(effects.light_level),
+        waves=draw_waves(seed)[: WAVES if effects.caustics > 0 else 0],
+        wave=wave_amplitude(effects.caustics),
+        lamp=float(effects.lamp),
+        cone=(cosine / sine) ** 2,
+        alters_light=effects.alters_light,
+        snow=float(effects.snow_per_m3),
+        scatter=float(effects.scatter_rad),
+        fish=effects.fish_per_min / 60.0,
+        fish_m=float(effects.fish_length_m),
+        frame_s=float(effects.frame_s),
+        seed=seed,
+    )
+
+
 class Camera:
     """Renders what the vehicle's camera sees, and knows the target's true position in the image.
 
@@ -52,8 +84,6 @@ class Camera:
         self.ground = ground  # SAND, or one of `pictures.PICTURES`
         self.optics, self.water, self.target = optics, water, target
         self.effects = effects or Effects()
-        self._noise_seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # int64, so one compilation
-        self._noise = _noise_bank(self._noise_seed, optics.width)
         self._lens = (optics.intrinsics(), np.array(optics.mount_m))
         self._faces = target.faces()
         self._corners = target.top_corners()
@@ -62,13 +92,10 @@ class Camera:
         )
         self._images = np.empty((len(self._points), 2))
         self._scene = self._build_scene()
-        self._grain = SensorNoise(
-            bank=self._noise,
-            seed=self._noise_seed,
-            read_variance=float(water.read_sigma_grey) ** 2,
-            shot_gain=float(water.shot_gain),
+        self._grain = sensor_noise(water, noise_seed, optics.width)
+        self._effect_parameters = (
+            effect_parameters(self.effects, self._grain.seed) if self.effects.any else None
         )
-        self._effect_parameters = self._build_effect_parameters()
         self._buffers = buffers_for(optics.width)
         self._channels = {GREEN: self._build_channel(GREEN)}
         self._whole = (0, 0, optics.width, optics.height)
@@ -155,29 +182,6 @@ class Camera:
             faces=self._faces,
             layout=layout,
             fog=self.water.law == "uwsim",
-        )
-
-    def _build_effect_parameters(self) -> EffectParameters | None:
-        """Return the effects for the kernels; None if all are off."""
-        effects = self.effects
-        if not effects.any:
-            return None
-        seed = self._noise_seed & 0x7FFFFFFF
-        sine, cosine = sin(effects.lamp_cone_rad), cos(effects.lamp_cone_rad)
-        return EffectParameters(
-            exposure_s=float(effects.exposure_s),
-            level=float(effects.light_level),
-            waves=draw_waves(seed)[: WAVES if effects.caustics > 0 else 0],
-            wave=wave_amplitude(effects.caustics),
-            lamp=float(effects.lamp),
-            cone=(cosine / sine) ** 2,
-            alters_light=effects.alters_light,
-            snow=float(effects.snow_per_m3),
-            scatter=float(effects.scatter_rad),
-            fish=effects.fish_per_min / 60.0,
-            fish_m=float(effects.fish_length_m),
-            frame_s=float(effects.frame_s),
-            seed=seed,
         )
 
     def _build_channel(self, number: int) -> Channel:

@@ -145,3 +145,32 @@ def face(
     out = np.where(mark & (stripe - np.floor(stripe) < 0.5), AMBER[channel], out)
     out = np.where((np.abs(v - 0.86) < 0.025) & (u > 0.36) & (u < 2.2), 0.34, out)
     return _smoothed(_smoothed(_averaged(out)))
+
+
+@lru_cache(maxsize=32)
+def label(length_m: float, width_m: float, texel_m: float, albedo: float) -> NDArray[np.float64]:
+    """Return the albedo (rows, columns) of a painted face: a rim, bolts, and the text across it.
+
+    The text and the bar below it are white on a dark face, else black. See `face` for the rest.
+    """
+    columns, rows = max(round(length_m / texel_m), 2), max(round(width_m / texel_m), 2)
+    u, v = _grid(length_m, width_m, columns, rows)
+    wide = length_m / width_m
+    ink = WHITE if albedo < 0.3 else BLACK
+    out = np.full(u.shape, albedo)
+    rim = np.minimum(np.minimum(u, wide - u), np.minimum(v, 1 - v))
+    out = np.where(rim < 0.04, 0.6 * albedo, out)
+    for x in (0.1, wide - 0.1):
+        for y in (0.1, 0.9):
+            out = _painted(out, np.sqrt((u - x) ** 2 + (v - y) ** 2), 0.035, ink)
+    # Text of seven letters, 5.5 times as wide as high.
+    height = min(0.5, 0.8 * wide / 5.5)
+    left, top = 0.5 * (wide - 5.4 * height), 0.42 - 0.5 * height
+    half = 0.095 * height
+    for stroke in _segments(TEXT, x=left, y=top, height=height, pitch=0.784 * height):
+        near = _around(u, v, stroke, half)
+        out[near] = _painted(out[near], _distance(u[near], v[near], stroke), half, ink)
+    bar = (np.abs(v - 0.76) < 0.05) & (u > left) & (u < wide - left)
+    stripe = (u + v) * 6.0
+    out = np.where(bar & (stripe - np.floor(stripe) < 0.5), ink, out)
+    return _smoothed(_smoothed(_averaged(out)))

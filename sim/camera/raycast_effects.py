@@ -15,7 +15,7 @@ from seamark.sim.camera.light import light_nodes
 from seamark.sim.camera.raycast import View, expose_strip, padded_columns, render_strip, view_from
 from seamark.sim.camera.rows import CHUNK, interpolate_nodes
 from seamark.sim.camera.scene import MARGIN, STRIP, Buffers, Channel, Scene, SensorNoise
-from seamark.sim.camera.snow import add_snow
+from seamark.sim.camera.snow import Eye, Painting, add_snow
 from seamark.sim.numerics.libm import exp, sincos
 
 Array = NDArray[np.float64]
@@ -172,7 +172,7 @@ def _average_exposure(
     start, width = padded_columns(window[0], window[2])
     corner = (window[1], start)
     mean = np.zeros((window[3] - window[1], width), np.float32)
-    plane = np.empty_like(mean)
+    plane, open_water = np.empty_like(mean), np.empty((0, 0), np.float32)
     count = exposure_count(motion, scene, effects)
     rotation, centre = np.empty((3, 3)), np.empty(3)
     for k in range(count):
@@ -188,7 +188,9 @@ def _average_exposure(
         if effects.fish > 0.0:
             add_fish(plane, corner, extrinsics, scene, channel, effects, time_s)
         if effects.snow > 0.0:
-            add_snow(plane, corner, size, extrinsics, scene, channel, effects, time_s)
+            eye = Eye(rotation, centre)
+            painting = Painting(plane, corner, size, open_water)
+            add_snow(painting, (eye, eye), scene, channel, effects, time_s)
         share = _F(1.0 / count)
         for r in range(mean.shape[0]):
             for c in range(width):

@@ -4,6 +4,8 @@ Flakes belong to the cubes of a grid that drifts as a whole; those of a cube fol
 its index. They are painted in the order of the cubes, whatever the window.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -22,6 +24,22 @@ DRIFT_M_S = (0.03, 0.02, 0.004)  # E: slow water, and flakes that sink some 300 
 NEAREST_M, FARTHEST_M = 0.15, 3.0  # from the camera; flakes farther away are smaller than a pixel
 SMALLEST_M, LARGEST_M = 0.001, 0.005  # E: diameters; small ones are more frequent
 ALBEDO = 0.8  # E
+
+
+class Painting(NamedTuple):
+    """A part of an image that flakes are painted into."""
+
+    plane: Plane
+    corner: tuple[int, int]  # row and column of its first pixel
+    size: tuple[int, int]  # (W, H) of the image
+    depth: Plane  # [m] of what the pixels show; empty if no flake is behind anything
+
+
+class Eye(NamedTuple):
+    """Axes (3, 3) by row and place (3,) of a camera."""
+
+    axes: Array
+    centre: Array
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -44,10 +62,14 @@ def attenuated(radiance: float, x: float, y: float, z: float, channel: Channel, 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def paint_disc(
-    plane: Plane, corner: tuple[int, int], disc: tuple[float, float, float], value: float
+    painting: Painting, disc: tuple[float, float, float], z: float, value: float
 ) -> None:
-    """Blend a disc (column, row, radius) [px] of one grey value into a plane, with a soft edge."""
+    """Blend a disc (column, row, radius) [px] of one grey value into a plane, with a soft edge.
+
+    It is at the depth z [m], and is not painted where something is nearer.
+    """
     u, v, radius = disc
+    plane, corner, depth = painting.plane, painting.corner, painting.depth
     # A flake smaller than a pixel covers a part of one.
     strength = min(1.0, 4.0 * radius * radius)
     radius = max(radius, 0.5)
@@ -57,6 +79,8 @@ def paint_disc(
         for column in range(max(first, corner[1]), min(last, corner[1] + plane.shape[1])):
             dx, dy = column - u, row - v
             share = radius + 0.5 - np.sqrt(dx * dx + dy * dy)
+            if depth.shape[0] and depth[row - corner[0], column - corner[1]] < z:
+                continue
             if share > 0.0:
                 old = plane[row - corner[0], column - corner[1]]
                 mixed = old + strength * min(share, 1.0) * (value - old)
@@ -65,20 +89,16 @@ def paint_disc(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def add_snow(
-    plane: Plane,
-    corner: tuple[int, int],
-    size: tuple[int, int],
-    extrinsics: tuple[Array, Array],
+    painting: Painting,
+    eyes: tuple[Eye, Eye],
     scene: Scene,
     channel: Channel,
     effects: EffectParameters,
     time_s: float,
 ) -> None:
-    """Paint the flakes into a plane whose first pixel is at `corner` (row, column).
-
-    `size` is (W, H) of the image; `extrinsics` the camera's axes (3, 3) and position (3,).
-    """
-    rotation, centre = extrinsics
+    """Paint the flakes; `eyes` is the camera, and the camera that the lamp is beside."""
+    rotation, centre = eyes[0]
+    size = painting.size
     low, high = _reach(size, rotation, centre, scene)
     position, drift = np.empty(3), np.empty(3)
     for axis in range(3):
@@ -97,27 +117,21 @@ def add_snow(
                         fraction = hash01(i, j, key + 4)
                         diameter = SMALLEST_M + (LARGEST_M - SMALLEST_M) * fraction * fraction
                         flake = position, diameter
-                        _paint_flake(plane, corner, extrinsics, flake, scene, channel, effects)
+                        _paint_flake(painting, eyes, flake, scene, channel, effects)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _paint_flake(
-    plane: Plane,
-    corner: tuple[int, int],
-    extrinsics: tuple[Array, Array],
+    painting: Painting,
+    eyes: tuple[Eye, Eye],
     flake: tuple[Array, float],
     scene: Scene,
     channel: Channel,
     effects: EffectParameters,
 ) -> None:
-    rotation, centre = extrinsics
+    plane, corner = painting.plane, painting.corner
     position, diameter = flake
-    x, y, z = 0.0, 0.0, 0.0
-    for axis in range(3):
-        d = position[axis] - centre[axis]
-        x += rotation[0, axis] * d
-        y += rotation[1, axis] * d
-        z += rotation[2, axis] * d
+    x, y, z = _in_axes(position, eyes[0])
     if z < NEAREST_M or z > FARTHEST_M:
         return
     f = scene.intrinsics[0]
@@ -128,9 +142,22 @@ def _paint_flake(
         return
     if v < corner[0] - reach or v > corner[0] + plane.shape[0] + reach:
         return
-    irradiance = effects.level + lamp_light(x, y, z, channel.attenuation, effects)
+    lx, ly, lz = _in_axes(position, eyes[1])
+    irradiance = effects.level + lamp_light(lx, ly, lz, channel.attenuation, effects)
     value = attenuated(255.0 * ALBEDO * irradiance, x, y, z, channel, scene.fog) + channel.veil
-    paint_disc(plane, corner, (u, v, radius), value)
+    paint_disc(painting, (u, v, radius), z, value)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _in_axes(point: Array, eye: Eye) -> tuple[float, float, float]:
+    rotation, centre = eye
+    x, y, z = 0.0, 0.0, 0.0
+    for axis in range(3):
+        d = point[axis] - centre[axis]
+        x += rotation[0, axis] * d
+        y += rotation[1, axis] * d
+        z += rotation[2, axis] * d
+    return x, y, z
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -96,18 +96,23 @@ class BoxTexture:
 @lru_cache(maxsize=12)
 def box_texture(target: Target, channel: int) -> BoxTexture:
     """Return the textures of a target's faces; its sides are darker."""
-    length_m, width_m, height_m = target.size_m
-    sizes = [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
+    sizes = box_sizes(target)
     parts, layout, offset = [], [], 0
     for number, ((length, width), shade) in enumerate(zip(sizes, SHADES, strict=True)):
-        texels = quantise(_face(target, number, length, width, channel) * shade)
+        texels = quantise(box_face(target, number, length, width, channel) * shade)
         parts.append(packed(texels, wrap=False))
         layout.append((offset, texels.shape[1], texels.shape[0]))
         offset += texels.size
     return BoxTexture(np.concatenate(parts), np.array(layout, dtype=np.int32))
 
 
-def _face(target: Target, number: int, length_m: float, width_m: float, channel: int) -> Vector:
+def box_sizes(target: Target) -> list[tuple[float, float]]:
+    """Return length and width of each face (FACES) as one reads the letters [m]."""
+    length_m, width_m, height_m = target.size_m
+    return [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
+
+
+def box_face(target: Target, number: int, length_m: float, width_m: float, channel: int) -> Vector:
     """Return the albedo (rows, columns) of a face, before its shade."""
     if target.picture is None:
         return lettering.face(length_m, width_m, TEXEL_M, channel, lettered=target.lettered)

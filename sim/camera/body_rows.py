@@ -1,0 +1,320 @@
+"""Draws the bodies into rows of the image, in front of and behind each other and the seabed.
+
+First the middle of each pixel: its depth, its radiance, and a mark that names the face it shows.
+Where the mark changes between neighbours there is an edge: those pixels are the mean of sixteen
+places in them. An edge through a pixel that is straight there and longer than the pixel always lies
+between its middle and that of a neighbour.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.camera import rows
+from seamark.sim.camera.hits import hit, mark, ray, tone
+from seamark.sim.camera.instant import Instant
+from seamark.sim.camera.lighting import arriving, glow
+from seamark.sim.camera.open_seabed import LEAST, Ground
+from seamark.sim.camera.rows import CHUNK
+from seamark.sim.camera.scene import STRIP
+from seamark.sim.camera.sightings import MARKS, body_at, columns_seen
+from seamark.sim.numerics.arrays import Integers
+from seamark.sim.numerics.simd import (
+    WIDTH,
+    f32x16,
+    horizontal_sum,
+    load,
+    maximum,
+    select_greater,
+    store,
+)
+
+if TYPE_CHECKING:
+    from seamark.sim.numerics.simd import F32x16
+
+Plane = NDArray[np.float32]
+Texels = NDArray[np.int32]
+Array = NDArray[np.float64]
+
+NEIGHBOURS = 5  # of a pixel, itself first
+_ACROSS, _DOWN = np.array([0, -1, 1, 0, 0]), np.array([0, 0, 0, -1, 1])
+_F = np.float32
+HALO = 16  # [px] columns to both sides of a strip; a row above and one below suffice
+# Places in a pixel: one in each of sixteen columns and rows (van der Corput).
+_ORDER = (0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15)
+PLACES = np.array(
+    [[(k + 0.5) / 16 - 0.5 for k in range(WIDTH)], [(k + 0.5) / 16 - 0.5 for k in _ORDER]],
+    np.float32,
+)
+
+
+class Edges(NamedTuple):
+    """Pixels of a strip that show more than one thing."""
+
+    pixel: Integers  # (n,) from the strip's first pixel on
+    seabed: Plane  # (n,) [grey] what reaches the camera of the seabed there
+
+
+class Layers(NamedTuple):
+    """What the pixels of a strip with its halo show."""
+
+    depth: Plane  # (n,) [m] along the optical axis
+    tone: Plane  # (n,) [grey] radiance there
+    mark: Plane  # (n,) 0 for the seabed
+    edges: Edges
+
+
+def layers_for(width: int) -> Layers:
+    """Return the memory for strips of images of this width [px]."""
+    # A row above and one below, and a halo on both sides of at most STRIP / CHUNK rows.
+    size = 3 * (STRIP + width) + 6 * HALO + 2 * HALO * (STRIP // CHUNK)
+    edges = Edges(np.zeros(size, np.int64), np.zeros(size, np.float32))
+    depth, tone, mark = (np.zeros(size, np.float32) for _ in range(3))
+    return Layers(depth, tone, mark, edges)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def draw_bodies(
+    instant: Instant,
+    texels: Texels,
+    extent: tuple[int, int, int],
+    layers: Layers,
+    light: Plane,
+    whole: bool,
+) -> None:
+    """Draw the bodies into a strip (rows * width,) of what reaches the camera from the seabed.
+
+    `extent` is row and column of the strip's first pixel, and its width. The depth of what the
+    pixels show, see `depths`, is known where there are bodies, or in the `whole` strip.
+    """
+    seen = instant.seen
+    row, start, width = extent
+    height = light.shape[0] // width
+    left, top = start - HALO, row - 1
+    first, end = (0, width) if whole else (width, 0)  # columns of the strip that bodies touch
+    for k in range(seen.number):
+        if seen.window[k, 1] < row + height + 1 and seen.window[k, 3] > top:
+            first = min(first, seen.window[k, 0] - start)
+            end = max(end, seen.window[k, 2] - start)
+    first = max(first, 0) // WIDTH * WIDTH
+    end = min((end + WIDTH - 1) // WIDTH * WIDTH, width)
+    if first >= end:
+        return
+    shape = (height + 2, width + 2 * HALO)
+    size = shape[0] * shape[1]
+    depth, tones = layers.depth[:size].reshape(shape), layers.tone[:size].reshape(shape)
+    marks = layers.mark[:size].reshape(shape)
+    planes = depth, tones, marks
+    _clear(instant.ground, (top, left), (first, end + 2 * HALO), depth, marks)
+    for k in range(seen.number):
+        _draw_middles(instant, k, texels, (top, left), planes)
+    lit = light.reshape(height, width)
+    count = _compose(instant, (row, start), (first, end), planes, layers.edges, lit)
+    _draw_edges(instant, (row, start, count), (tones, marks), layers.edges, lit)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def depths(layers: Layers, height: int, width: int) -> Plane:
+    """Return the depth of what a strip shows (rows, columns) [m], a view."""
+    shape = (height + 2, width + 2 * HALO)
+    return layers.depth[: shape[0] * shape[1]].reshape(shape)[1:-1, HALO:-HALO]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def draw_glow(
+    instant: Instant,
+    extent: tuple[int, int, int],
+    layers: Layers,
+    light: Plane,
+) -> None:
+    """Add the light of the lamp that the water scatters back to a strip (rows * width,)."""
+    row, start, width = extent
+    lit = light.reshape(light.shape[0] // width, width)
+    shape = (lit.shape[0] + 2, width + 2 * HALO)
+    depth = layers.depth[: shape[0] * shape[1]].reshape(shape)
+    lens, lighting = instant.lens, instant.lighting
+    inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
+    steps, white = load(rows.STEPS, 0, 0), f32x16(255.0)
+    for r in range(lit.shape[0]):
+        y = f32x16((row + r - lens[2]) / lens[0])
+        for q in range(0, width, WIDTH):
+            x = ((f32x16(float(start + q)) + steps) - u0) * inverse_f
+            back = glow(load(depth, r + 1, q + HALO), x, y, lighting)
+            store(lit, r, q, load(lit, r, q) + white * back)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clear(
+    ground: Ground, corner: tuple[int, int], span: tuple[int, int], depth: Plane, marks: Plane
+) -> None:
+    """Write the depth of the seabed and the mark of none."""
+    top, left = corner
+    one, least, zero = f32x16(1.0), f32x16(LEAST), f32x16(0.0)
+    steps = load(rows.STEPS, 0, 0)
+    for r in range(depth.shape[0]):
+        v = float(top + r)
+        w = f32x16(ground.map[2, 1] * v + ground.map[2, 2])
+        slope = f32x16(ground.map[2, 0])
+        for q in range(span[0], span[1], WIDTH):
+            column = f32x16(float(left + q)) + steps
+            store(depth, r, q, one / maximum(w + slope * column, least))
+            store(marks, r, q, zero)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_middles(
+    instant: Instant,
+    k: int,
+    texels: Texels,
+    corner: tuple[int, int],
+    planes: tuple[Plane, Plane, Plane],
+) -> None:
+    """Write a body where it is nearer than what is drawn already."""
+    top, left = corner
+    depth, tones, marks = planes
+    seen = instant.seen
+    body, kind = body_at(seen.numbers, k), seen.kind[k]
+    lens, lighting = instant.lens, instant.lighting
+    inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
+    steps = load(rows.STEPS, 0, 0)
+    last = min(seen.window[k, 3], top + depth.shape[0])
+    for v in range(max(seen.window[k, 1], top), last):
+        a, b = columns_seen(seen, k, v)
+        r = v - top
+        y = f32x16((v - lens[2]) / lens[0])
+        for q in range((a - left) // WIDTH * WIDTH, b - left, WIDTH):
+            x = ((f32x16(float(left + q)) + steps) - u0) * inverse_f
+            d = ray(body, x, y)
+            hits = hit(kind, body, d)
+            before = load(depth, r, q)
+            radiance = tone(body, d, hits, texels, lighting)
+            store(depth, r, q, select_greater(before, hits[0], hits[0], before))
+            store(tones, r, q, select_greater(before, hits[0], radiance, load(tones, r, q)))
+            name = mark(kind, body, hits)
+            store(marks, r, q, select_greater(before, hits[0], name, load(marks, r, q)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _compose(
+    instant: Instant,
+    corner: tuple[int, int],
+    span: tuple[int, int],
+    planes: tuple[Plane, Plane, Plane],
+    edge: Edges,
+    light: Plane,
+) -> int:
+    """Write the bodies over the seabed, list the pixels at edges, and return how many there are.
+
+    `corner` is row and column of the strip's first pixel, `span` the columns of the strip.
+    """
+    row, start = corner
+    depth, tones, marks = planes
+    lens, lighting = instant.lens, instant.lighting
+    inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
+    steps, half = load(rows.STEPS, 0, 0), f32x16(0.5)
+    changed = np.empty((1, WIDTH), np.float32)
+    count = 0
+    height, width = light.shape
+    for r in range(-1, height + 1):
+        y = f32x16((row + r - lens[2]) / lens[0])
+        for q in range(span[0] - WIDTH, span[1] + WIDTH, WIDTH):
+            own = load(marks, r + 1, q + HALO)
+            inside = 0 <= r < height and 0 <= q < width
+            edges = False
+            if inside:
+                change = _differences(marks, r + 1, q + HALO)
+                edges = horizontal_sum(change) > 0.0
+            if not edges and horizontal_sum(own) == 0.0:
+                continue
+            x = ((f32x16(float(start + q)) + steps) - u0) * inverse_f
+            arrived = arriving(
+                load(tones, r + 1, q + HALO), load(depth, r + 1, q + HALO), x, y, lighting
+            )
+            store(tones, r + 1, q + HALO, arrived)
+            if not inside:
+                continue
+            before = load(light, r, q)
+            if edges:
+                store(changed, 0, 0, change)
+                count = _listed(changed, (r, q), light, edge, count)
+            store(light, r, q, select_greater(own, half, arrived, before))
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _listed(changed: Plane, at: tuple[int, int], light: Plane, edge: Edges, count: int) -> int:
+    """List the pixels of sixteen that have changed, from a row and a column on."""
+    r, q = at
+    for lane in range(WIDTH):
+        if changed[0, lane] > _F(0.0):
+            edge.pixel[count] = r * light.shape[1] + q + lane
+            edge.seabed[count] = light[r, q + lane]
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _squared(value: "F32x16") -> "F32x16":
+    return value * value
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _differences(marks: Plane, r: int, q: int) -> "F32x16":
+    """Return 1 for pixels whose mark differs from that of a neighbour, else 0."""
+    own = load(marks, r, q)
+    across = maximum(_squared(load(marks, r, q - 1) - own), _squared(load(marks, r, q + 1) - own))
+    down = maximum(_squared(load(marks, r - 1, q) - own), _squared(load(marks, r + 1, q) - own))
+    return select_greater(maximum(across, down), f32x16(0.5), f32x16(1.0), f32x16(0.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_edges(
+    instant: Instant,
+    at: tuple[int, int, int],
+    planes: tuple[Plane, Plane],
+    edge: Edges,
+    light: Plane,
+) -> None:
+    """Write the pixels at edges: each is the mean of sixteen places in it.
+
+    A place has the brightness of the middle of that pixel, of this one and its neighbours, which
+    shows the same face. `at` is row and column of the strip's first pixel, and the number of edge
+    pixels; `planes` what reaches the camera, and the marks.
+    """
+    row, start, count = at
+    tones, marks = planes
+    g, width = instant.ground.map, light.shape[1]
+    lens, seen = instant.lens, instant.seen
+    inverse_f, u0, v0 = f32x16(1.0 / lens[0]), f32x16(lens[1]), f32x16(lens[2])
+    zero, half, one, least = f32x16(0.0), f32x16(0.5), f32x16(1.0), f32x16(LEAST)
+    across, down = load(PLACES, 0, 0), load(PLACES, 1, 0)
+    there, bright = np.empty(NEIGHBOURS, np.float32), np.empty(NEIGHBOURS, np.float32)
+    numbers = np.empty(NEIGHBOURS, np.int64)
+    for k in range(count):
+        r, q = edge.pixel[k] // width, edge.pixel[k] % width
+        v, u = f32x16(float(row + r)) + down, f32x16(float(start + q)) + across
+        inverse = f32x16(g[2, 0]) * u + (f32x16(g[2, 1]) * v + f32x16(g[2, 2]))
+        nearest = one / maximum(inverse, least)
+        x, y = (u - u0) * inverse_f, (v - v0) * inverse_f
+        for n in range(NEIGHBOURS):
+            i, j = r + 1 + _DOWN[n], q + HALO + _ACROSS[n]
+            there[n] = marks[i, j]
+            bright[n] = tones[i, j] if there[n] > _F(0.0) else edge.seabed[k]
+            numbers[n] = int(there[n] * _F(1.0 / MARKS)) - 1
+        shown, value = zero, f32x16(bright[0])
+        for n in range(NEIGHBOURS):
+            number = numbers[n]
+            for other in range(n):
+                if numbers[other] == number:
+                    number = -1
+            if number >= 0:
+                body, kind = body_at(seen.numbers, number), seen.kind[number]
+                hits = hit(kind, body, ray(body, x, y))
+                shown = select_greater(nearest, hits[0], mark(kind, body, hits), shown)
+                nearest = select_greater(nearest, hits[0], hits[0], nearest)
+        for n in range(NEIGHBOURS - 1, -1, -1):
+            other_face = _squared(shown - f32x16(there[n]))
+            value = select_greater(half, other_face, f32x16(bright[n]), value)
+        light[r, q] = horizontal_sum(value) * _F(1.0 / WIDTH)
