@@ -5,10 +5,12 @@ from typing import NamedTuple
 from numba import njit
 
 from seamark.sim.multibody.distances import (
+    Touch,
     common_stretch,
     middle_of_passage,
     nearest_on_segment,
     point_box,
+    point_cylinder,
     point_socket,
     rim_direction,
     segments,
@@ -20,6 +22,7 @@ from seamark.sim.multibody.tree import WORLD, Frames
 from seamark.sim.multibody.vectors import (
     Vector,
     choose,
+    clamped,
     column,
     cross,
     dot,
@@ -44,12 +47,14 @@ SLOTS = {
     (CYLINDER, GROUND): 6,
     (CAPSULE, CAPSULE): 3,
     (CAPSULE, BOX): 4,
+    (CAPSULE, CYLINDER): 4,
     (BOX, BOX): 40,
-    (CYLINDER, SOCKET): 6,
+    (CYLINDER, SOCKET): 7,
 }
 MARGIN_M = 0.01  # a gap above it is no contact: more than shapes approach each other in a step
 _SAME_POINT = 0.01  # share of a segment's half: nearer to its end is the end
 _STEEP = 0.1  # least cosine of the angle between the axes of a cylinder and of its hole
+_UPRIGHT = 1e-6  # sine of the angle below which a circle lies in a plane across
 _HALF, _ROOT = 0.5, 0.8660254037844386  # cosine and sine of 60 degrees
 
 
@@ -116,7 +121,7 @@ def _put_column(m: Array, k: int, j: int, v: Vector) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _put_touch(slot: int, touch: tuple[Vector, Vector, float], to: Touches) -> None:
+def _put_touch(slot: int, touch: Touch, to: Touches) -> None:
     point, normal, gap = touch
     put(to.point, slot, 0, point)
     put(to.normal, slot, 0, normal)
@@ -151,7 +156,7 @@ def _touch_pair(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
     elif shapes.kind[b] == SOCKET:
         _touch_socket(a, b, slot, shapes, to)
     elif shapes.kind[a] == CAPSULE:
-        _touch_capsule_box(a, b, slot, shapes, to)
+        _touch_capsule_solid(a, b, slot, shapes, to)
     else:
         _touch_boxes(a, b, slot, shapes, to)
 
@@ -182,7 +187,7 @@ def _touch_ground(a: int, slot: int, shapes: Shapes, ground: Mounds, to: Touches
 
 
 @njit(cache=True, error_model="numpy")
-def _sphere_ground(p: Vector, radius: float, ground: Mounds) -> tuple[Vector, Vector, float]:
+def _sphere_ground(p: Vector, radius: float, ground: Mounds) -> Touch:
     """Return the touch of a sphere and the bottom, which is taken as flat around it."""
     height, north, east = height_and_slope(p[0], p[1], ground)
     steep = 1.0 / sqrt(north * north + east * east + 1.0)
@@ -212,6 +217,28 @@ def _rim_point(middle: Vector, axis: Vector, wanted: Vector, radius: float, k: i
     return plus(middle, times(towards, radius))
 
 
+@njit(cache=True, error_model="numpy")
+def _nearer(one: Touch, two: Touch) -> Touch:
+    """Return the touch with the smaller gap; the first of equal ones."""
+    first = one[2] <= two[2]
+    return (
+        choose(first, one[0], two[0]),
+        choose(first, one[1], two[1]),
+        select(first, one[2], two[2]),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _rim_at(middle: Vector, axis: Vector, deep: Vector, x: float, radius: float) -> Vector:
+    """Return where a circle crosses a plane of that x, or is nearest; elsewhere with -radius."""
+    towards = rim_direction(deep, axis)
+    leans = abs(towards[0]) > _UPRIGHT
+    slope = abs(radius) * select(leans, towards[0], 1.0)
+    share = clamped((x - middle[0]) / slope, like(slope, -1.0), like(slope, 1.0))
+    side = times(cross(axis, towards), radius * sqrt(1.0 - share * share))
+    return plus(middle, plus(times(towards, abs(radius) * share), side))
+
+
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
     """Write the touches of two capsules: where they are nearest, and beside each other's ends."""
@@ -230,12 +257,15 @@ def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> N
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _touch_capsule_box(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
-    """Write the touches of a capsule with a box: at both ends, and where it is nearest between.
+def _touch_capsule_solid(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
+    """Write the touches of a capsule with a box or a cylinder: at both ends, and between.
 
-    Along a face that is a stretch, so it has two ends.
+    Along a face or a side that is a stretch, so it has two ends.
     """
     half, radius = three(shapes.size, b, 0), shapes.size[a, 0]
+    is_round = shapes.kind[b] == CYLINDER
+    if is_round:
+        half = (half[1], half[0], half[0])
     away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
     middle = rotate_back(to.turned, b, away)
     along = rotate_back(to.turned, b, times(column(to.turned, a, 0), shapes.size[a, 1]))
@@ -243,9 +273,12 @@ def _touch_capsule_box(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -
     for k in range(4):
         share = -one if k == 0 else one
         if k >= 2:
-            share = nearest_on_segment(middle, along, half, -1.0 if k == 2 else 1.0)
+            share = nearest_on_segment(middle, along, half, -1.0 if k == 2 else 1.0, is_round)
         p = plus(middle, times(along, share))
-        point, normal, gap = _sphere_box(p, radius, b, half, to)
+        if is_round:
+            point, normal, gap = _sphere_cylinder(p, radius, b, half, to)
+        else:
+            point, normal, gap = _sphere_box(p, radius, b, half, to)
         if k == 1:
             gap = select(long, gap, 2.0 * MARGIN_M)
         elif k >= 2:
@@ -255,11 +288,23 @@ def _touch_capsule_box(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -
 
 
 @njit(cache=True, error_model="numpy")
-def _sphere_box(
-    p: Vector, radius: float, b: int, half: Vector, to: Touches
-) -> tuple[Vector, Vector, float]:
+def _sphere_box(p: Vector, radius: float, b: int, half: Vector, to: Touches) -> Touch:
     """Return the touch of a sphere at p, in the axes of box b, and that box."""
     normal, distance = point_box(p, half)
+    return _sphere_touch(p, radius, b, normal, distance, to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _sphere_cylinder(p: Vector, radius: float, b: int, half: Vector, to: Touches) -> Touch:
+    """Return the touch of a sphere at p, in the axes of cylinder b, and that cylinder."""
+    normal, distance = point_cylinder(p, half)
+    return _sphere_touch(p, radius, b, normal, distance, to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _sphere_touch(
+    p: Vector, radius: float, b: int, normal: Vector, distance: float, to: Touches
+) -> Touch:
     point = minus(p, times(normal, radius))
     world = plus(three(to.centre, b, 0), rotate(to.turned, b, point))
     return world, rotate(to.turned, b, normal), distance - radius
@@ -302,7 +347,7 @@ def _corner_in(a: int, corner: int, b: int, shapes: Shapes, to: Touches) -> Vect
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None:
-    """Write the touches of a cylinder and a hole: tip and hole, side and mouth."""
+    """Write the touches of a cylinder and a hole: tip and hole, side and mouth, tip and mouth."""
     radius, half = shapes.size[a, 0], shapes.size[a, 1]
     socket = three(shapes.size, b, 0)
     away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
@@ -312,6 +357,7 @@ def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> Non
     axis = choose(inwards, times(axis, -1.0), axis)
     tip = plus(centre, times(axis, half))
     zero = like(radius, 0.0)
+    far = zero + 2.0 * MARGIN_M
     deep = (zero - 1.0, zero, zero)
     off = (zero, tip[1], tip[2])
     _put_touch(slot, _socket_point(_rim_point(tip, axis, off, radius, 0), b, socket, to), to)
@@ -329,13 +375,16 @@ def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> Non
         normal, distance, along = to_line(edge, centre, axis)
         # Nearer to the cylinder's end than to its side, the edge meets the end: the tip's touches.
         by_side = (abs(along) <= half) & (distance - radius >= abs(along) - half)
-        gap = select(by_side, distance - radius, 2.0 * MARGIN_M)
         world = plus(three(to.centre, b, 0), rotate(to.turned, b, edge))
-        _put_touch(slot + 4 + k, (world, rotate(to.turned, b, normal), gap), to)
+        normal, gap = rotate(to.turned, b, normal), select(by_side, distance - radius, far)
+        _put_touch(slot + 4 + k, (world, normal, gap), to)
+    one = _socket_point(_rim_at(tip, axis, deep, -socket[2], radius), b, socket, to)
+    two = _socket_point(_rim_at(tip, axis, deep, -socket[2], -radius), b, socket, to)
+    _put_touch(slot + 6, _nearer(one, two), to)
 
 
 @njit(cache=True, error_model="numpy")
-def _socket_point(p: Vector, b: int, socket: Vector, to: Touches) -> tuple[Vector, Vector, float]:
+def _socket_point(p: Vector, b: int, socket: Vector, to: Touches) -> Touch:
     normal, gap = point_socket(p, socket)
     world = plus(three(to.centre, b, 0), rotate(to.turned, b, p))
     return world, rotate(to.turned, b, normal), gap

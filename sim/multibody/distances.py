@@ -59,11 +59,52 @@ def point_box(p: Vector, half: Vector) -> tuple[Vector, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def nearest_on_segment(middle: Vector, along: Vector, half: Vector, side: float) -> float:
+def point_cylinder(p: Vector, half: Vector) -> tuple[Vector, float]:
+    """Return normal and signed distance of a point to a cylinder along x around the origin.
+
+    `half` is half its length, and its radius twice. Inside, the nearest surface counts; a point on
+    the axis is pushed along y.
+    """
+    x, y, z = p
+    zero = like(x, 0.0)
+    one = zero + 1.0
+    end = select(x < 0.0, -one, one)
+    off = sqrt(y * y + z * z)
+    centred = off <= _TINY
+    safe = select(centred, one, off)
+    y, z = select(centred, one, y / safe), select(centred, zero, z / safe)
+    past, beside = abs(x) - half[0], off - half[1]
+    by_end = past >= beside
+    face = choose(by_end, (end, zero, zero), (zero, y, z))
+    outwards = larger(beside, zero)
+    out = (end * larger(past, zero), y * outwards, z * outwards)
+    away = sqrt(dot(out, out))
+    outside = away > _TINY
+    normal = choose(outside, times(out, 1.0 / select(outside, away, 1.0)), face)
+    return normal, select(outside, away, larger(past, beside))
+
+
+@njit(cache=True, error_model="numpy")
+def _beyond(p: Vector, half: Vector, is_round: bool) -> Vector:
+    """Return the vector to a point from the nearest of a box, or of a cylinder along x."""
+    x = p[0] - clamped(p[0], -half[0], half[0])
+    if is_round:
+        off = sqrt(p[1] * p[1] + p[2] * p[2])
+        share = larger(off - half[1], like(off, 0.0)) / larger(off, half[1])
+        return x, p[1] * share, p[2] * share
+    y, z = p[1] - clamped(p[1], -half[1], half[1]), p[2] - clamped(p[2], -half[2], half[2])
+    return x, y, z
+
+
+@njit(cache=True, error_model="numpy")
+def nearest_on_segment(
+    middle: Vector, along: Vector, half: Vector, side: float, is_round: bool
+) -> float:
     """Return where the segment middle ± along is nearest to a box around the origin: -1 to 1.
 
-    If it is along a face, that is a stretch; `side` is -1 for its first end and 1 for its last. The
-    slope of the distance grows along the segment, so its sign is bisected.
+    With `is_round` to a cylinder along x, see `point_cylinder`. If it is along a face, that is a
+    stretch; `side` is -1 for its first end and 1 for its last. The slope of the distance grows
+    along the segment, so its sign is bisected.
     """
     low = like(middle[0], -1.0)
     high = like(middle[0], 1.0)
@@ -71,11 +112,7 @@ def nearest_on_segment(middle: Vector, along: Vector, half: Vector, side: float)
     for _ in range(_BISECTIONS):
         t = 0.5 * (low + high)
         p = plus(middle, times(along, t))
-        beyond = (
-            p[0] - clamped(p[0], -half[0], half[0]),
-            p[1] - clamped(p[1], -half[1], half[1]),
-            p[2] - clamped(p[2], -half[2], half[2]),
-        )
+        beyond = _beyond(p, half, is_round)
         slope = dot(beyond, along)
         falls = slope < flat * sqrt(dot(beyond, beyond))
         low, high = select(falls, t, low), select(falls, high, t)

@@ -25,6 +25,7 @@ TOUCHING = frozenset(
     {
         frozenset({"capsule"}),
         frozenset({"capsule", "box"}),
+        frozenset({"capsule", "cylinder"}),
         frozenset({"box"}),
         frozenset({"cylinder", "socket"}),
     }

@@ -53,7 +53,7 @@ def test_the_nearest_point_of_a_segment_is_as_near_to_a_box_as_any_sampled_one(
 ) -> None:
     points = np.array(middle) + SHARES[:, None] * np.array(along)
     for side in (-1.0, 1.0):
-        t = nearest_on_segment(middle, along, half, side)
+        t = nearest_on_segment(middle, along, half, side, False)
 
         found = float(to_box(np.array(middle) + t * np.array(along), half))
         nearest = to_box(points, half).min()
@@ -68,7 +68,7 @@ def test_the_nearest_point_of_a_segment_is_as_near_to_a_box_as_any_sampled_one(
 def test_a_segment_along_a_face_is_nearest_from_edge_to_edge() -> None:
     segment = (0.1, 0.0, 0.5), (1.0, 0.0, 0.0), (0.2, 0.2, 0.2)
 
-    ends = [nearest_on_segment(*segment, side) for side in (-1.0, 1.0)]
+    ends = [nearest_on_segment(*segment, side, False) for side in (-1.0, 1.0)]
 
     assert ends == pytest.approx([-0.3, 0.1], abs=0.004)
 

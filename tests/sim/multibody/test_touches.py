@@ -121,17 +121,41 @@ def test_a_rod_is_as_far_from_a_box_as_the_nearest_of_its_points(seed: int) -> N
 
 
 @given(seed=SEEDS)
-def test_a_peg_that_leans_a_little_is_as_far_from_a_hole_as_the_nearest_of_its_points(
+def test_a_rod_is_as_far_from_a_cylinder_as_the_nearest_of_its_points(seed: int) -> None:
+    source = rng(seed)
+    radius, half = source.uniform(0.01, 0.05), source.uniform(0.0, 0.3)
+    size, away = source.uniform(0.02, 0.2, 2), 0.2 * source.standard_normal(3)
+    q, turn = pose(source, CENTRE + away)
+
+    found = touches(
+        Shape(name="cylinder", kind="cylinder", place=point(CENTRE), size=(size[0], size[1], 0.0)),
+        Shape(name="rod", kind="capsule", link="link", size=(radius, half, 0.0)),
+        q,
+    )
+
+    along = away + np.linspace(-half, half, 2001)[:, None] * turn[:, 0]
+    past = np.maximum(np.abs(along[:, 0]) - size[1], 0.0)
+    beside = np.maximum(np.hypot(along[:, 1], along[:, 2]) - size[0], 0.0)
+    axis = float(np.hypot(past, beside).min())
+    if abs(axis - radius) < 0.5 * MARGIN_M and axis > 0.002:
+        assert abs(found.gap.min() - (axis - radius)) < 1e-4
+        deepest = int(found.gap.argmin())
+        nearer = along - (found.point[deepest] - CENTRE + radius * found.normal[deepest])
+        assert np.linalg.norm(nearer, axis=1).min() < 2e-3  # it is on the rod's axis
+
+
+@given(seed=SEEDS)
+def test_a_peg_that_leans_is_as_far_from_a_hole_as_the_nearest_of_its_points(
     seed: int,
 ) -> None:
     source = rng(seed)
     radius, half, depth = 0.01, 0.05, 0.06
     bore, chamfer = 0.011 + source.uniform(0.0, 0.004), 0.004 * source.integers(0, 2)
-    tilt, towards = source.uniform(0.0, 0.03), source.uniform(0.0, 2.0 * np.pi)
+    tilt, towards = source.uniform(0.0, 0.2), source.uniform(0.0, 2.0 * np.pi)
     # It points into the hole, -x, and is turned about an axis across x.
     w, s = np.cos(0.5 * tilt), np.sin(0.5 * tilt)
     axis = -turned(np.array([w, 0.0, s * np.cos(towards), s * np.sin(towards)]))[:, 0]
-    off, where = (bore - radius) * source.uniform(0.6, 1.1), source.uniform(0.0, 2.0 * np.pi)
+    off, where = (bore - radius) * source.uniform(0.0, 1.1), source.uniform(0.0, 2.0 * np.pi)
     tip = np.array([source.uniform(-0.061, 0.001), off * np.cos(where), off * np.sin(where)])
     centre = tip - half * axis
     q = np.array([*(CENTRE + centre), w, 0.0, s * np.cos(towards), s * np.sin(towards)])
@@ -145,7 +169,7 @@ def test_a_peg_that_leans_a_little_is_as_far_from_a_hole_as_the_nearest_of_its_p
     across = np.linalg.svd(axis[None])[2][1:]
     angle = np.linspace(0.0, 2.0 * np.pi, 240, endpoint=False)
     ring = radius * (np.cos(angle)[:, None] * across[0] + np.sin(angle)[:, None] * across[1])
-    side = centre + np.linspace(-half, half, 201)[:, None, None] * axis + ring
+    side = centre + np.linspace(-half, half, 401)[:, None, None] * axis + ring
     end = tip + np.linspace(0.0, 1.0, 11)[:, None, None] * ring
     x, y, z = np.concatenate([side.reshape(-1, 3), end.reshape(-1, 3)]).T
     off_axis = np.hypot(y, z)
@@ -153,5 +177,5 @@ def test_a_peg_that_leans_a_little_is_as_far_from_a_hole_as_the_nearest_of_its_p
         np.maximum(x, bore - off_axis), (x + bore + chamfer - off_axis) / np.sqrt(2.0)
     )
     nearest = float(np.minimum(wall, x + depth).min())
-    if -5e-4 < nearest < 2e-4:
-        assert abs(found.gap.min() - nearest) < 1e-4
+    if -3e-4 < nearest < 2e-4:
+        assert abs(found.gap.min() - nearest) < 1.5e-4
