@@ -124,6 +124,7 @@ def test_jaws_that_follow_open_by_the_same_angle_and_close_on_each_other() -> No
     model = assembly.mechanism.model(STEP_S)
     state = assembly.state(model)
     first, second = (assembly.coordinate(model, f"jaw {side}") for side in ("port", "starboard"))
+    state.q[[first, second]] = 0.0
 
     run(model, state, 1.0, (0.0, 0.0, 0.0, 0.0, 0.4))
     assert state.q[first] == pytest.approx(0.4, abs=0.01)
@@ -304,6 +305,7 @@ def test_the_smaller_arm_reaches_0_41_m() -> None:
     state, frames = assembly.state(model), work_for(model).frames
     state.q[assembly.coordinate(model, "upper arm")] = 1.282  # level
     state.q[assembly.coordinate(model, "forearm")] = 2.674  # in line
+    state.q[assembly.coordinate(model, "jaw port")] = 0.0
 
     tree.place(model.structure, model.links, state.q, frames)
     jaw = assembly.mechanism.number("jaw port")
