@@ -11,7 +11,7 @@ from seamark.sim.vehicles.solids import Point, Solid
 _VIEW_PX = 420.0  # longest side of a view
 _MARGIN_PX = 60.0
 _ARROW = 0.16  # of the longest side of the vehicle
-_STYLE = """\
+STYLE = """\
 <style>
 text { font: 13px sans-serif; fill: #14212b; }
 .title { font-size: 17px; font-weight: bold; }
@@ -24,7 +24,7 @@ text { font: 13px sans-serif; fill: #14212b; }
 </style>"""
 
 
-class _View(NamedTuple):
+class View(NamedTuple):
     """Where one looks at the vehicle from, and what is to the right and down on the page."""
 
     title: str
@@ -43,17 +43,17 @@ class _View(NamedTuple):
         return sign * point[axis]
 
 
-_VIEWS = (
-    _View("from starboard", (0, 1.0), (2, 1.0), (1, 1.0)),
-    _View("from ahead", (1, -1.0), (2, 1.0), (0, 1.0)),
-    _View("from above", (0, 1.0), (1, 1.0), (2, -1.0)),
+VIEWS = (
+    View("from starboard", (0, 1.0), (2, 1.0), (1, 1.0)),
+    View("from ahead", (1, -1.0), (2, 1.0), (0, 1.0)),
+    View("from above", (0, 1.0), (1, 1.0), (2, -1.0)),
 )
 
 
-class _Page(NamedTuple):
+class Page(NamedTuple):
     """A place of a view on the page."""
 
-    view: _View
+    view: View
     left: float
     top: float
     scale: float  # [px/m]
@@ -86,15 +86,15 @@ def drawing(vehicle: Vehicle) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {across:.0f} {down:.0f}" '
         f'width="{across:.0f}" height="{down:.0f}" role="img">',
         f"<title>{escape(vehicle.title)}</title>",
-        _STYLE,
+        STYLE,
         '<rect width="100%" height="100%" fill="white"/>',
         f'<text class="title" x="{_MARGIN_PX:.0f}" y="32">{escape(vehicle.title)}</text>',
     ]
-    for view, (left, above) in zip(_VIEWS, places, strict=True):
+    for view, (left, above) in zip(VIEWS, places, strict=True):
         corners = [view.flat((x, y, z)) for x in (low[0], high[0]) for y in (low[1], high[1])
                    for z in (low[2], high[2])]  # fmt: skip
         origin = min(a for a, _ in corners), min(b for _, b in corners)
-        parts += _drawn(vehicle, _Page(view, left, above, scale, origin), max(sizes))
+        parts += _drawn(vehicle, Page(view, left, above, scale, origin), max(sizes))
     parts += _legend(vehicle, 2.0 * _MARGIN_PX + length, top + height + _MARGIN_PX, scale)
     return "\n".join([*parts, "</svg>"]) + "\n"
 
@@ -119,7 +119,7 @@ def _extent(vehicle: Vehicle) -> tuple[list[float], list[float]]:
     return low, high
 
 
-def _drawn(vehicle: Vehicle, page: _Page, longest: float) -> Iterator[str]:
+def _drawn(vehicle: Vehicle, page: Page, longest: float) -> Iterator[str]:
     view = page.view
     yield f'<text x="{page.left:.1f}" y="{page.top - 10.0:.1f}">{view.title}</text>'
     for solid in sorted(vehicle.drawn(), key=lambda one: view.nearness(one.centre)):
@@ -147,13 +147,13 @@ def _point(values: tuple[float, ...]) -> Point:
     return x, y, z
 
 
-def _rectangle(centre: Point, size: Point, page: _Page) -> tuple[float, float, float, float]:
+def _rectangle(centre: Point, size: Point, page: Page) -> tuple[float, float, float, float]:
     x, y = page.at(centre)
     width, height = size[page.view.right[0]] * page.scale, size[page.view.down[0]] * page.scale
     return x - 0.5 * width, y - 0.5 * height, width, height
 
 
-def _solid(solid: Solid, page: _Page) -> str:
+def _solid(solid: Solid, page: Page) -> str:
     x, y, width, height = _rectangle(solid.centre, solid.size, page)
     along = page.view.right[0] == 0  # cylinders and capsules lie along x
     fill = f'class="solid" fill="{escape(solid.paint.colour)}"'
@@ -169,7 +169,7 @@ def _solid(solid: Solid, page: _Page) -> str:
     )
 
 
-def _arrow(start: Point, direction: Point, page: _Page, length: float) -> Iterator[str]:
+def _arrow(start: Point, direction: Point, page: Page, length: float) -> Iterator[str]:
     """Yield an arrow along a thrust; one that points at the reader is a dot, away a cross."""
     x, y = page.at(start)
     a, b = (length * page.scale * part for part in page.view.flat(direction))

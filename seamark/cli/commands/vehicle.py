@@ -1,9 +1,10 @@
-"""`seamark vehicle`: check, draw and import the files of vehicles."""
+"""`seamark vehicle`: check, draw and import the files of vehicles and arms."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -13,18 +14,20 @@ from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
     from seamark.sim.vehicles import Vehicle
+    from seamark.sim.vehicles.plausibility import Finding
 
 _LEFT_OUT_MAX = 30  # more are not listed
 
 
 @click.group()
 def vehicle() -> None:
-    """Check, draw or import the file of a vehicle; docs/vehicles.md describes it.
+    """Check, draw or import the file of a vehicle or of an arm; docs/vehicles.md describes it.
 
     \b
     Examples:
       seamark vehicle check my_rov.toml --draw my_rov.svg
       seamark vehicle check bluerov2-heavy-v2
+      seamark vehicle check my_arm.toml --draw my_arm.svg
       seamark vehicle import my_rov.urdf -o my_rov.toml
       seamark run currents-v2 --set vehicle=my_rov.toml
     """
@@ -37,37 +40,32 @@ def vehicle() -> None:
     "picture",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.svg",
-    help="Draw the vehicle from three sides.",
+    help="Draw the vehicle or the arm from three sides.",
 )
 @json_option
 def check(*, source: str, picture: Path | None, as_json: bool) -> None:
-    """Say what is wrong with a vehicle, and what it can do.
+    """Say what is wrong with a vehicle or an arm, and what it can do.
 
-    FILE is a file in TOML, or the name of a vehicle of Seamark. Exit code 1: the vehicle cannot
+    FILE is a file in TOML, or the name of a vehicle or an arm of Seamark. Exit code 1: it cannot
     run. Warnings do not prevent a run.
     """
-    from seamark.cli.vehicle_report import figures, lines
-    from seamark.sim.vehicles.plausibility import findings
-    from seamark.sim.vehicles.reading import VehicleInvalid
+    from seamark.sim.vehicles.fields import FileInvalid
 
     _refuse_other_pictures(picture)
     try:
-        vehicle = _vehicle_of(source)
-    except VehicleInvalid as invalid:
+        checked = _checked_arm(source) if _is_arm(source) else _checked_vehicle(source)
+    except FileInvalid as invalid:
         _tell_invalid(source, invalid.errors, as_json=as_json)
         exit_with(1)
-    told = findings(vehicle)
-    errors = [one.text for one in told if one.grade == "error"]
-    warnings = [one.text for one in told if one.grade == "warning"]
     if picture is not None:
-        _draw(vehicle, picture)
+        _write(checked.drawn(), picture)
     if as_json:
-        document = {"name": vehicle.name, "errors": errors, "warnings": warnings}
-        print_json(document | ({} if errors else {"figures": figures(vehicle)}))
+        document = {"name": checked.name, "errors": checked.errors, "warnings": checked.warnings}
+        print_json(document | ({} if checked.errors else {"figures": checked.figures()}))
     else:
-        for line in lines(vehicle, errors, warnings):
+        for line in checked.lines():
             click.echo(line)
-    exit_with(1 if errors else 0)
+    exit_with(1 if checked.errors else 0)
 
 
 @vehicle.command(name="import")
@@ -124,9 +122,82 @@ def import_(*, urdf: Path, out: Path, z_down: bool, as_json: bool) -> None:
     click.echo(f"Next: seamark vehicle check {out} --draw {out.with_suffix('.svg')}")
 
 
+class _Checked(NamedTuple):
+    """What is said about a vehicle or an arm."""
+
+    name: str
+    errors: list[str]
+    warnings: list[str]
+    figures: Callable[[], dict[str, Any]]
+    lines: Callable[[], Iterable[str]]
+    drawn: Callable[[], str]
+
+
+def _checked_vehicle(source: str) -> _Checked:
+    from seamark.cli.vehicle_report import figures, lines
+    from seamark.sim.vehicles.drawing import drawing
+    from seamark.sim.vehicles.plausibility import findings
+
+    vehicle = _vehicle_of(source)
+    errors, warnings = _graded(findings(vehicle))
+    return _Checked(
+        name=vehicle.name,
+        errors=errors,
+        warnings=warnings,
+        figures=lambda: figures(vehicle),
+        lines=lambda: lines(vehicle, errors, warnings),
+        drawn=lambda: drawing(vehicle),
+    )
+
+
+def _checked_arm(source: str) -> _Checked:
+    from seamark.cli.arm_report import figures_of, lines
+    from seamark.sim.registry import ARMS
+    from seamark.sim.vehicles import own
+    from seamark.sim.vehicles.arm_check import figures, findings
+    from seamark.sim.vehicles.arm_drawing import arm_drawing
+    from seamark.sim.vehicles.linkage_reading import read_linkage
+
+    content = ARMS[source].read_bytes() if source in ARMS else own.content_of(Path(source))
+    arm = read_linkage(content)
+    found = figures(arm)
+    errors, warnings = _graded(findings(arm, found))
+    return _Checked(
+        name=arm.name,
+        errors=errors,
+        warnings=warnings,
+        figures=lambda: figures_of(found),
+        lines=lambda: lines(arm, found, errors, warnings),
+        drawn=lambda: arm_drawing(arm),
+    )
+
+
+def _graded(told: Iterable[Finding]) -> tuple[list[str], list[str]]:
+    """Return the texts of errors and of warnings."""
+    told = list(told)
+    return (
+        [one.text for one in told if one.grade == "error"],
+        [one.text for one in told if one.grade == "warning"],
+    )
+
+
+def _is_arm(source: str) -> bool:
+    """Return whether a name or a file is that of an arm: the file says so."""
+    from seamark.sim.registry import ARMS, VEHICLES
+    from seamark.sim.vehicles import own
+    from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
+
+    if source in ARMS or source in VEHICLES or not Path(source).is_file():
+        return source in ARMS
+    try:
+        return read_toml(own.content_of(Path(source))).get("kind") == "arm"
+    except TomlRefused:
+        return False
+
+
 def _vehicle_of(source: str) -> Vehicle:
     """Return the vehicle of a file or of a name; raises UsageRefused, VehicleInvalid."""
-    from seamark.sim.registry import VEHICLES
+    from seamark.sim.registry import ARMS, VEHICLES
     from seamark.sim.vehicles import load, own
     from seamark.sim.vehicles.reading import read_vehicle
 
@@ -134,7 +205,8 @@ def _vehicle_of(source: str) -> Vehicle:
         return load(source)
     if not Path(source).is_file():
         raise UsageRefused(
-            f"{source} is neither a file nor one of our vehicles: {', '.join(VEHICLES)}."
+            f"{source} is neither a file nor one of our vehicles and arms: "
+            f"{', '.join((*VEHICLES, *ARMS))}."
         )
     return read_vehicle(own.content_of(Path(source)), base=load)
 
@@ -144,19 +216,18 @@ def _refuse_other_pictures(picture: Path | None) -> None:
         raise UsageRefused(f"{picture}: drawings are SVG; give the file a name with .svg.")
 
 
-def _draw(vehicle: Vehicle, picture: Path) -> None:
+def _write(text: str, picture: Path) -> None:
     from seamark.cli.output_folder import draft_of
-    from seamark.sim.vehicles.drawing import drawing
 
     with draft_of(picture) as file:
-        file.write(drawing(vehicle).encode())
+        file.write(text.encode())
 
 
 def _tell_invalid(source: str, errors: tuple[str, ...], *, as_json: bool) -> None:
     if as_json:
         print_json({"name": None, "errors": list(errors), "warnings": []})
         return
-    click.echo(_printable(f"{source} cannot be read as a vehicle."))
+    click.echo(_printable(f"{source} cannot be read as a vehicle or an arm."))
     for text in errors:
         click.echo(_printable(f"error    {text}"))
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
 from seamark.formats.archive import FOLDER
-from seamark.sim.registry import VEHICLES
+from seamark.sim.registry import ARMS, VEHICLES
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.urdf import urdf_of
 
@@ -58,6 +58,40 @@ def test_a_file_is_checked_and_drawn(mine: Path, tmp_path: Path) -> None:
     assert ElementTree.parse(picture).getroot().tag.endswith("svg")  # noqa: S314  # our own text
 
 
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_of_ours_is_checked_by_its_name(name: str) -> None:
+    done = seamark("vehicle", "check", name)
+
+    assert done.exit_code == 0, done.output
+    assert f"({name})" in done.stdout
+    assert "top speed" in done.stdout
+    assert "0 errors," in done.stdout
+
+
+def test_a_file_of_an_arm_is_checked_and_drawn(tmp_path: Path) -> None:
+    mine, picture = tmp_path / "arm.toml", tmp_path / "arm.svg"
+    mine.write_bytes(ARMS["alpha-like"].read_bytes())
+
+    done = seamark("vehicle", "check", mine, "--draw", picture, "--json")
+
+    assert done.exit_code == 0, done.output
+    figures = json.loads(done.stdout)["figures"]
+    assert figures["reach_m"] == pytest.approx(0.409, abs=0.001)
+    assert figures["joints"][0]["payload_n"] is None  # it turns about the vertical
+    assert ElementTree.parse(picture).getroot().tag.endswith("svg")  # noqa: S314  # our own text
+
+
+def test_a_mistake_in_the_file_of_an_arm_is_a_sentence(tmp_path: Path) -> None:
+    mine = tmp_path / "arm.toml"
+    text = ARMS["hook"].read_text("utf-8")
+    mine.write_text(text.replace("[-2.094395, 1.047198]", "[1.0, -1.0]"), encoding="utf-8")
+
+    done = seamark("vehicle", "check", mine)
+
+    assert done.exit_code == 1
+    assert "joint.range must be its lower end, then its upper one" in done.stdout
+
+
 def test_a_mistake_is_exit_code_1_with_a_sentence(mine: Path) -> None:
     mine.write_text(MINE + '[body]\nmass = { value = 1, unit = "g", tag = "E", reason = "?" }\n')
 
@@ -94,7 +128,7 @@ def test_a_program_can_read_the_report(mine: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("check", "submarine"), "neither a file nor one of our vehicles: girona500"),
+        (("check", "submarine"), "neither a file nor one of our vehicles and arms: girona500"),
         (("check", "girona500", "--draw", "x.png"), "drawings are SVG"),
         (("import", __file__, "-o", __file__), "exists: choose another file"),
         (("import", __file__, "-o", "new.toml"), "not valid XML"),
