@@ -80,12 +80,14 @@ def test_a_speed_that_is_no_number_or_beyond_its_limit_is_the_programs_failure(
 
 @pytest.mark.host
 @pytest.mark.parametrize("language", ["python", "matlab"])
-def test_a_command_without_the_joints_is_told_what_belongs_to_it(
+def test_a_command_with_one_of_two_joints_is_told_what_belongs_to_it(
     language: str, isolation: IsolationLevel
 ) -> None:
-    four = program() if language == "python" else (MATLAB % "").encode()
+    five = program(step="return [0, 0, 0, 0, 0.1]")
+    if language == "matlab":
+        five = (MATLAB % ", 0.1").encode()
 
-    outcome = commanded(language, isolation, four)
+    outcome = commanded(language, isolation, five)
 
     assert isinstance(outcome, Outcome)
     assert outcome.verdict is Verdict.PROTOCOL_ERROR
