@@ -228,8 +228,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         """Return what the camera sees, (H, W, 3) red, green, blue."""
         if self.render_mode is None:
             return None
-        plant = self._world.plant
-        motion = np.concatenate([plant.pose(), plant.velocity()])
+        motion = self._running.motion()
         image = self._world.camera.colour(motion, self._first_frame + self._step)
         return np.ascontiguousarray(image[..., ::-1])
 

@@ -95,20 +95,20 @@ class LinkCamera:
         _, _, width, height = self._whole
         inside = max(0, x0), max(0, y0), min(width, x1), min(height, y1)
         if inside[2] > inside[0] and inside[3] > inside[1]:
-            self._draw(placed, frame, inside, GREEN, self._canvas)
+            self.draw(placed, frame, inside, GREEN, self._canvas)
         return self._canvas
 
     def grey(self, placed: Placed, frame: int) -> NDArray[np.uint8]:
         """Return a new image (H, W): the one that programs get."""
         image = np.empty_like(self._canvas)
-        self._draw(placed, frame, self._whole, GREEN, image)
+        self.draw(placed, frame, self._whole, GREEN, image)
         return image
 
     def colour(self, placed: Placed, frame: int) -> NDArray[np.uint8]:
         """Return a new image (H, W, 3) in blue, green, red, for people."""
         planes = [np.empty_like(self._canvas) for _ in range(3)]
         for channel, plane in enumerate(planes):
-            self._draw(placed, frame, self._whole, channel, plane)
+            self.draw(placed, frame, self._whole, channel, plane)
         image = np.empty((*self._canvas.shape, 3), np.uint8)
         red, green, blue = (plane.ravel() for plane in planes)
         interleave(blue, green, red, image.ravel())
@@ -168,9 +168,10 @@ class LinkCamera:
             )
         return self._channels[number]
 
-    def _draw(
+    def draw(
         self, placed: Placed, frame: int, window: Window, number: int, out: NDArray[np.uint8]
     ) -> None:
+        """Render the window of one channel, 0 red, 1 green, 2 blue, into `out`, (H, W)."""
         self._place(placed)
         stage, tones, grain = self._stage, self._tones(number), self._grain
         effects, key, memory = self._effects, (frame, window), self._memory

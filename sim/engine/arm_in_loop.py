@@ -36,10 +36,14 @@ class ArmInLoop:
         self._touch = _columns("touch_0", feelers)
         self._peak = ARM_INDEX["arm_peak_n"]
 
+    def joints(self) -> tuple[Array, Array]:
+        """Return the coordinates of the motors' joints, (a,) [rad or m], and their speeds."""
+        return self._plant.joints(), self._plant.joint_rates()
+
     def measure(self, reading: int, row: Array) -> None:
         """Read the sensors at a control step; fill the row and the observation."""
         plant, (joints, speeds, efforts, wrench) = self._plant, self._parts
-        joints[:], speeds[:] = plant.joints(), plant.joint_rates()
+        joints[:], speeds[:] = self.joints()
         efforts[:], wrench[:] = plant.readings.effort, plant.readings.wrench
         for columns, part in zip(self._columns, self._parts, strict=True):
             row[columns] = part

@@ -158,10 +158,15 @@ class ClosedLoop:
             contact_n += plant.contact_force()
         self._contact_n = contact_n / steps
 
+    def motion(self) -> Row:
+        """Return what an image depends on: pose and velocity, (12,), and the joints of an arm."""
+        parts = [self._pose, self._world.plant.velocity()]
+        return np.concatenate([*parts, *(self._arm.joints() if self._arm else ())])
+
     def _track(self, step: int) -> None:
         pose, tracking = self._pose, self._world.tracking
-        if self._motion_blur:
-            pose = np.concatenate([pose, self._world.plant.velocity()])
+        if self._motion_blur or self._arm is not None:
+            pose = self.motion()
         if self._camera_program is not None:
             self._motions.append((self._first_frame + step, pose.copy()))
         track = tracking.update if step else tracking.start

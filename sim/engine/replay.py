@@ -15,13 +15,14 @@ from seamark.sim import registry
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.recording.telemetry import INDEX
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, has_arm
 from seamark.sim.settings.configuration import Configuration
 
 Image = NDArray[np.uint8]
 Row = NDArray[np.float64]
 
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
+_JOINTS = slice(ARM_INDEX["joint_0"], ARM_INDEX["joint_ref_0"])  # and their speeds
 _CACHED_CAMERAS = 12  # one per level
 
 
@@ -30,7 +31,9 @@ class CameraFrame:
     """What the camera saw at one row of the telemetry."""
 
     camera: Camera
-    motion: Row  # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]
+    # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]; with an arm, its
+    # joints and their speeds follow
+    motion: Row
     number: int  # of the frame in the trial
 
     def grey(self) -> Image:
@@ -79,7 +82,10 @@ class Replay:
         """Return what the camera saw at a row of the telemetry."""
         trial, level = trial_and_level(row)
         number = round(float(row[INDEX["t"]]) / self._dt)  # whatever the order of the levels
-        motion = np.ascontiguousarray(row[_MOTION])
+        motion = row[_MOTION]
+        if has_arm(len(row)):
+            motion = np.concatenate([motion, row[_JOINTS]])
+        motion = np.ascontiguousarray(motion)
         return CameraFrame(self.camera(trial, level), motion, number)
 
     def start(self, row: Row) -> tuple[CameraFrame, Row]:

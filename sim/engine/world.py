@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import Optics
@@ -40,6 +41,7 @@ from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.variation import varied
 
 
@@ -137,8 +139,16 @@ def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
 def build_camera(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
     """Return the camera above the target: the part of a world that renders images."""
     target, optics = target_and_optics(config)
-    effects = _effects(config)
-    return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
+    arm, effects = config.chosen_arm(), _effects(config)
+    if arm is None:
+        return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
+    vehicle = load(config.vehicle)
+    carried = vehicle, _mounted(arm, vehicle)
+    return ArmCamera(optics, water, target, carried, noise_seed=noise_seed, effects=effects)
+
+
+def _mounted(arm: Linkage, vehicle: Vehicle) -> Mounting:
+    return Mounting(linkage=arm, place=vehicle.mounts[arm.name], on_vehicle=True)
 
 
 def _effects(config: ExperimentSettings) -> Effects:
@@ -258,8 +268,7 @@ def _arm(
     linkage = config.chosen_arm()
     if linkage is None or not isinstance(config, ArmSettings):
         return None
-    place = moved.vehicle.mounts[linkage.name]
-    mountings = [Mounting(linkage=linkage, place=place, on_vehicle=True)]
+    mountings = [_mounted(linkage, moved.vehicle)]
     if config.contact:
         mountings.append(fixed_box(_box(moved.target)))
     plant = ArmedPlant(

@@ -66,6 +66,10 @@ class ArmSettings(ExperimentSettings, CurrentSettings):
             errors["contacts"] = (
                 "contacts (Contact engine): with an arm, choose the simulator's own engine."
             )
+        if self.fish_per_min:
+            errors["fish_per_min"] = (
+                "fish_per_min (Fish): with an arm, there are no fish before the camera; write 0."
+            )
         if self.current_law == "force":
             errors["current_law"] = (
                 "current_law (Current model): with an arm, choose the relative velocity of the "
