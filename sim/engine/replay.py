@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim import registry
+from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.numerics.random_streams import streams
@@ -24,6 +25,10 @@ Row = NDArray[np.float64]
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 _JOINTS = slice(ARM_INDEX["joint_0"], ARM_INDEX["joint_ref_0"])  # and their speeds
 _CACHED_CAMERAS = 12  # one per level
+
+
+class NoCameraOnArm(Exception):
+    """The vehicle has no arm, or there is no camera on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,21 @@ class CameraFrame:
     def colour(self) -> Image:
         """Return the image (H, W, 3) in blue, green, red, for people."""
         return self.camera.colour(self.motion, self.number)
+
+    def on_arm(self) -> Image:
+        """Return what the camera on the arm saw, (H, W, 3) in blue, green, red.
+
+        Raises
+        ------
+        NoCameraOnArm
+            There is no arm, or no camera on it.
+        """
+        image = None
+        if isinstance(self.camera, ArmCamera):
+            image = self.camera.colour_on_arm(self.motion, self.number)
+        if image is None:
+            raise NoCameraOnArm("The vehicle of this run has no camera on an arm.")
+        return image
 
     def corners(self) -> Row:
         """Return the true corners (4, 2) [px] of the target's top face."""

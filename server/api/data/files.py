@@ -174,11 +174,19 @@ def program(path: RunPath) -> Response:
 def camera(path: RunPath, query: CameraQuery) -> Response:
     """Render the camera image at a simulated time; with neither outline it is the bare image."""
     from seamark.server.runs.showing import camera_view  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.sim.engine.replay import NoCameraOnArm  # noqa: PLC0415 (it loads OpenCV)
 
     view = access.run_for(path.run_id)
     access.require_data(view)
     drawn = camera_view.Drawn(tracked=query.tracked, truth=query.truth)
-    image = camera_view.render(services().settings, view, trial=query.trial, t=query.t, drawn=drawn)
+    if query.camera == "arm":
+        drawn = camera_view.ON_ARM
+    try:
+        image = camera_view.render(
+            services().settings, view, trial=query.trial, t=query.t, drawn=drawn
+        )
+    except NoCameraOnArm as missing:
+        raise Problem("not-found", str(missing)) from None
     if image is None:
         raise Problem("not-found", "There is no telemetry of that trial yet.")
     answer = Response(image, content_type="image/jpeg")

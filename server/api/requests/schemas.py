@@ -129,6 +129,9 @@ class CameraQuery(Query):
     t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] in the trial")
     tracked: bool = Field(True, description="Draw the outline that the tracker reported")
     truth: bool = Field(True, description="Draw the true outline")
+    camera: Literal["vehicle", "arm"] = Field(
+        "vehicle", description="The vehicle's camera, or the one on its arm, without outlines"
+    )
 
 
 class SceneQuery(Query):

@@ -38,6 +38,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "ordered": config.levels_in_order(),
         "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
+        "arm": telemetry.has_arm(len(files.columns)),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": _charts(run, benchmark.charts_of(config)),
         "columns": [

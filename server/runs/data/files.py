@@ -69,7 +69,8 @@ class RunFiles:
         """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
         written = self._written_names()
         thrusters = sum(name.startswith("thrust_") for name in written)
-        return telemetry.names(telemetry.width_for(thrusters))
+        arm = telemetry.ARM_COLUMNS[0].name in written
+        return telemetry.names(telemetry.width_for(thrusters, arm=arm))
 
     def attempts(self) -> list[int]:
         """Return the attempts that have files."""

@@ -51,9 +51,11 @@ class Drawn:
 
     tracked: bool = True  # the outline that the tracker reported, green
     truth: bool = True  # the true outline, thin and amber
+    on_arm: bool = False  # the image of the camera on the arm instead, in which nothing is drawn
 
 
 DRAWN = Drawn()
+ON_ARM = Drawn(tracked=False, truth=False, on_arm=True)
 
 
 def render(
@@ -73,6 +75,11 @@ def render(
     ----------
     files
         Those of a run that is not stored with the others.
+
+    Raises
+    ------
+    NoCameraOnArm
+        There is no camera on an arm.
     """
     row = _row_at(stored_files.of_run(settings, run) if files is None else files, trial, t)
     if row is None:
@@ -90,6 +97,8 @@ def _rendered(
     """Return the JPEG of a row; all viewers of a live run ask for the same images."""
     row: Row = np.frombuffer(row_bytes)
     frame = _replay(benchmark, config, seeds).frame(row)
+    if drawn.on_arm:
+        return jpeg(frame.on_arm())
     image, truth = frame.colour(), frame.corners()
     return jpeg(_annotated(image, row, truth, drawn))
 

@@ -23,6 +23,7 @@ export class Camera {
     this.note = need(this.box, "[data-camera-note]", HTMLElement);
     this.truth = maybe(root, "[data-truth]", HTMLInputElement);
     this.zoom = maybe(root, "[data-zoom]", HTMLInputElement);
+    this.onArm = maybe(root, "[data-on-arm]", HTMLInputElement);
     /** @type {Moment | null} */
     this.wanted = null;
     /** @type {Moment | null} */
@@ -34,6 +35,7 @@ export class Camera {
     this.viewers = 1; // of the live run
     this.truth?.addEventListener("change", () => this.again());
     this.zoom?.addEventListener("change", () => this.place());
+    this.onArm?.addEventListener("change", () => this.again());
   }
 
   /**
@@ -62,7 +64,12 @@ export class Camera {
     const [x, y] = (sure ? [row.tracked_x, row.tracked_y] : [row?.target_x, row?.target_y]).map(
       (at) => at ?? Number.NaN,
     );
-    const zoomed = Boolean(this.zoom?.checked) && Number.isFinite(x) && Number.isFinite(y) && image.naturalWidth > 0;
+    const zoomed =
+      Boolean(this.zoom?.checked) &&
+      !this.onArm?.checked &&
+      Number.isFinite(x) &&
+      Number.isFinite(y) &&
+      image.naturalWidth > 0;
     image.style.transform = zoomed ? `scale(${ZOOM})` : "";
     if (!zoomed) return;
     /** @type {(value: number, size: number) => number} */
@@ -84,7 +91,8 @@ export class Camera {
   /** @param {Moment} moment */
   address({ trial, t }) {
     const truth = this.truth && !this.truth.checked ? "&truth=false" : "";
-    return `${this.api}/camera.jpg?trial=${trial}${truth}&t=${t.toFixed(2)}`;
+    const camera = this.onArm?.checked ? "&camera=arm" : "";
+    return `${this.api}/camera.jpg?trial=${trial}${truth}${camera}&t=${t.toFixed(2)}`;
   }
 
   async load() {

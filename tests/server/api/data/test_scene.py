@@ -6,8 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
+from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.scene import vehicle_shape
 from seamark.sim.camera.seabed import TILE, texels
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, Rows, width_for
 from seamark.sim.vehicles import load
 from tests.server.api.conftest import Site
 from tests.server.api.test_api import problem_of
@@ -106,3 +108,69 @@ def test_a_vehicle_without_solids_of_its_own_is_drawn_as_its_hull() -> None:
     (frame,) = vehicle_shape(plain)["solids"]
 
     assert (frame["shape"], frame["size"]) == ("box", plain.hull[0].size.value)
+
+
+WITH_ARM = {
+    "arm": "alpha-like",
+    "vehicle": "bluerov2-heavy-v2",
+    "levels": [0.1],
+    "level_duration_s": 2.0,
+    "settle_s": 1.0,
+}
+
+
+def reached(bow: float) -> Rows:
+    """Rows of a run with an arm whose second joint has this coordinate."""
+    rows = np.zeros((40, width_for(8, arm=True)))
+    rows[:, INDEX["t"]] = 0.05 * np.arange(40)
+    rows[:, INDEX["z"]] = 1.6
+    for name, value in (("joint_1", bow), ("joint_2", 2.5), ("joint_4", 0.3)):
+        rows[:, ARM_INDEX[name]] = value
+    return rows
+
+
+def with_arm(site: Site, rows: Rows) -> str:
+    claim = site.running(benchmark="currents-v2", controller="p", config=WITH_ARM)
+    RunFiles(site.settings.data, claim.run_id, 1).append_rows(rows)
+    assert site.finish(claim)
+    return f"/api/v1/runs/{claim.run_id}"
+
+
+def test_the_scene_has_the_links_of_an_arm_and_the_columns_that_move_them(site: Site) -> None:
+    scene = site.call("owner", "GET", f"{with_arm(site, reached(1.0))}/scene.json").get_json()
+    plain = site.succeeded(controller="p")
+
+    arm = scene["vehicle"]["arm"]
+    joints = [link["joint"] for link in arm["links"]]
+    assert [joint and joint["column"] for joint in joints] == [None, 0, 1, 2, 3, 4, 4]
+    assert [link["parent"] for link in arm["links"]] == [None, 0, 1, 2, 3, 4, 4]
+    assert [link["touch"] for link in arm["links"]][-3:] == [[0], [1], [2]]
+    assert arm["place"] == list(load("bluerov2-heavy-v2").mounts["alpha-like"].point.value)
+    bare = site.call("owner", "GET", f"/api/v1/runs/{plain}/scene.json").get_json()
+    assert bare["vehicle"]["arm"] is None
+
+
+def test_the_camera_on_the_arm_shows_what_lies_before_it_and_moves_with_the_joints(
+    site: Site,
+) -> None:
+    stretched, lowered = with_arm(site, reached(1.0)), with_arm(site, reached(0.2))
+
+    images = [
+        site.call("owner", "GET", f"{run}/camera.jpg?camera={camera}&t=1").data
+        for run in (stretched, lowered)
+        for camera in ("arm", "vehicle")
+    ]
+    sights = [cv2.imdecode(np.frombuffer(image, np.uint8), 1) for image in images]
+
+    assert len(set(images)) == 4
+    assert sights[0] is not None
+    assert sights[1] is not None
+    assert sights[0].shape[:2] == (240, 320)
+    assert sights[1].shape[:2] == (480, 640)
+
+
+def test_a_vehicle_without_an_arm_has_no_camera_on_one(site: Site) -> None:
+    answer = site.call("owner", "GET", f"/api/v1/runs/{site.recorded()}/camera.jpg?camera=arm")
+
+    problem_of(answer, 404, "not-found")
+    assert "no camera on an arm" in answer.get_json()["detail"]
