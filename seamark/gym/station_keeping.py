@@ -61,8 +61,8 @@ class _Held:
 class _ThrusterLoop(ClosedLoop):
     """A loop without the velocity controller; commands arrive as late as those of a controller."""
 
-    def __init__(self, world: World, **indices: int) -> None:
-        super().__init__(world, _Held(), **indices)
+    def __init__(self, world: World, held: _Held, **indices: int) -> None:
+        super().__init__(world, held, **indices)
         self.thrust_commands = np.zeros(len(world.plant.vehicle.thrusters))
         late = world.conditions.command_delay_steps
         self._pending = [np.zeros_like(self.thrust_commands)] * late
@@ -152,7 +152,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self._world = self._experiment.world(self._config, seed=episode.seed, **indices)
         indices["position"] = episode.position
         self._loop = (
-            _ThrusterLoop(self._world, **indices)
+            _ThrusterLoop(self._world, self._held, **indices)
             if self._by_thrusters
             else ClosedLoop(self._world, self._held, **indices)
         )

@@ -18,7 +18,7 @@ from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.reading import THRUSTERS_MAX
 
-BENCHMARK = "currents-v2"
+BENCHMARK, SEED = "currents-v2", 3
 ALPHA = arm_size(load_linkage("alpha-like"))
 SHORT = {
     "arm": "alpha-like",
@@ -48,7 +48,7 @@ class Moving:
 def run(program: object, **settings: object) -> telemetry.Rows:
     config = registry.benchmark(BENCHMARK).read(SHORT | settings)
     kept: list[telemetry.Rows] = []
-    run_trial(BENCHMARK, config, program, seed=3, trial=0, on_rows=kept.append)
+    run_trial(BENCHMARK, config, program, seed=SEED, trial=0, on_rows=kept.append)
     return np.concatenate(kept)
 
 
