@@ -207,7 +207,7 @@ def _scores() -> Iterator[tuple[Benchmark, str]]:
 
 
 def _telemetry() -> dict[str, Any]:
-    return {"columns": telemetry.COLUMNS}
+    return {"columns": telemetry.COLUMNS, "arm_columns": telemetry.ARM_COLUMNS}
 
 
 # name -> title, values for its template
