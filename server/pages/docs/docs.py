@@ -1,10 +1,11 @@
 """The documentation: text in templates, tables from the objects that the code uses."""
 
 import importlib.metadata
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from dataclasses import fields as fields_of
 from functools import lru_cache
+from itertools import groupby
 from typing import Any
 
 from flask import (
@@ -207,7 +208,14 @@ def _scores() -> Iterator[tuple[Benchmark, str]]:
 
 
 def _telemetry() -> dict[str, Any]:
-    return {"columns": telemetry.COLUMNS, "arm_columns": telemetry.ARM_COLUMNS}
+    columns = [(one.name, one.unit, one.meaning) for one in telemetry.COLUMNS]
+    alike = groupby(telemetry.ARM_COLUMNS, key=lambda one: (one.unit, one.meaning))
+    return {"columns": columns, "arm_columns": [(_from_to(each), *key) for key, each in alike]}
+
+
+def _from_to(columns: Iterable[telemetry.Column]) -> str:
+    names = [column.name for column in columns]
+    return names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
 
 
 # name -> title, values for its template
