@@ -20,6 +20,7 @@ from seamark.sim.vehicles.solids import Solid
 BOX, CYLINDER, CAPSULE = 0, 1, 2
 WORLD = -1  # the link of what does not move
 FACES = 6  # of a box: +x, -x, +y, -y, +z, -z
+DARK = 0.3  # albedo in green below which letters are white
 BODIES_MAX = 256  # in one scene
 Face = NDArray[np.float64]  # (rows, columns) albedo
 
@@ -148,9 +149,10 @@ def _lettered(solid: Solid, colour: tuple[float, float, float]) -> Callable[[int
     """Return the faces of a box with letters."""
     x, y, z = solid.size
     sizes = [(y, z), (y, z), (x, z), (x, z), (x, y), (x, y)]
+    ink = lettering.WHITE if colour[1] < DARK else lettering.BLACK
 
     def face(channel: int, side: int) -> Face:
-        return lettering.label(*sizes[side], TEXEL_M, colour[channel])
+        return lettering.label(*sizes[side], TEXEL_M, colour[channel], ink)
 
     return face
 

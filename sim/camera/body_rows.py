@@ -38,8 +38,8 @@ Plane = NDArray[np.float32]
 Texels = NDArray[np.int32]
 Array = NDArray[np.float64]
 
-NEIGHBOURS = 5  # of a pixel, itself first
-_ACROSS, _DOWN = np.array([0, -1, 1, 0, 0]), np.array([0, 0, 0, -1, 1])
+NEIGHBOURS = 4  # of a pixel
+_ACROSS, _DOWN = np.array([-1, 1, 0, 0]), np.array([0, 0, -1, 1])
 _F = np.float32
 HALO = 16  # [px] columns to both sides of a strip; a row above and one below suffice
 # Places in a pixel: one in each of sixteen columns and rows (van der Corput).
@@ -53,7 +53,8 @@ PLACES = np.array(
 class Edges(NamedTuple):
     """Pixels of a strip that show more than one thing."""
 
-    pixel: Integers  # (n,) from the strip's first pixel on
+    row: Integers  # (n,) and
+    column: Integers  # (n,) from the strip's first pixel on
     seabed: Plane  # (n,) [grey] what reaches the camera of the seabed there
 
 
@@ -63,6 +64,7 @@ class Layers(NamedTuple):
     depth: Plane  # (n,) [m] along the optical axis
     tone: Plane  # (n,) [grey] radiance there
     mark: Plane  # (n,) 0 for the seabed
+    span: Integers  # (rows, 2) columns that bodies may touch
     edges: Edges
 
 
@@ -70,9 +72,9 @@ def layers_for(width: int) -> Layers:
     """Return the memory for strips of images of this width [px]."""
     # A row above and one below, and a halo on both sides of at most STRIP / CHUNK rows.
     size = 3 * (STRIP + width) + 6 * HALO + 2 * HALO * (STRIP // CHUNK)
-    edges = Edges(np.zeros(size, np.int64), np.zeros(size, np.float32))
+    edges = Edges(np.zeros(size, np.int64), np.zeros(size, np.int64), np.zeros(size, np.float32))
     depth, tone, mark = (np.zeros(size, np.float32) for _ in range(3))
-    return Layers(depth, tone, mark, edges)
+    return Layers(depth, tone, mark, np.zeros((STRIP // CHUNK + 2, 2), np.int64), edges)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -107,11 +109,12 @@ def draw_bodies(
     depth, tones = layers.depth[:size].reshape(shape), layers.tone[:size].reshape(shape)
     marks = layers.mark[:size].reshape(shape)
     planes = depth, tones, marks
+    layers.span[: height + 2, 0], layers.span[: height + 2, 1] = shape[1], 0
     _clear(instant.ground, (top, left), (first, end + 2 * HALO), depth, marks)
     for k in range(seen.number):
-        _draw_middles(instant, k, texels, (top, left), planes)
+        _draw_middles(instant, k, texels, (top, left), planes, layers.span)
     lit = light.reshape(height, width)
-    count = _compose(instant, (row, start), (first, end), planes, layers.edges, lit)
+    count = _compose(instant, (row, start), planes, layers, lit)
     _draw_edges(instant, (row, start, count), (tones, marks), layers.edges, lit)
 
 
@@ -170,6 +173,7 @@ def _draw_middles(
     texels: Texels,
     corner: tuple[int, int],
     planes: tuple[Plane, Plane, Plane],
+    span: Integers,
 ) -> None:
     """Write a body where it is nearer than what is drawn already."""
     top, left = corner
@@ -184,7 +188,9 @@ def _draw_middles(
         a, b = columns_seen(seen, k, v)
         r = v - top
         y = f32x16((v - lens[2]) / lens[0])
-        for q in range((a - left) // WIDTH * WIDTH, b - left, WIDTH):
+        first = (a - left) // WIDTH * WIDTH
+        span[r, 0], span[r, 1] = min(span[r, 0], first), max(span[r, 1], b - left)
+        for q in range(first, b - left, WIDTH):
             x = ((f32x16(float(left + q)) + steps) - u0) * inverse_f
             d = ray(body, x, y)
             hits = hit(kind, body, d)
@@ -200,14 +206,13 @@ def _draw_middles(
 def _compose(
     instant: Instant,
     corner: tuple[int, int],
-    span: tuple[int, int],
     planes: tuple[Plane, Plane, Plane],
-    edge: Edges,
+    layers: Layers,
     light: Plane,
 ) -> int:
     """Write the bodies over the seabed, list the pixels at edges, and return how many there are.
 
-    `corner` is row and column of the strip's first pixel, `span` the columns of the strip.
+    `corner` is row and column of the strip's first pixel.
     """
     row, start = corner
     depth, tones, marks = planes
@@ -215,11 +220,12 @@ def _compose(
     inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
     steps, half = load(rows.STEPS, 0, 0), f32x16(0.5)
     changed = np.empty((1, WIDTH), np.float32)
-    count = 0
+    count, edge, span = 0, layers.edges, layers.span
     height, width = light.shape
     for r in range(-1, height + 1):
         y = f32x16((row + r - lens[2]) / lens[0])
-        for q in range(span[0] - WIDTH, span[1] + WIDTH, WIDTH):
+        first, end = _touched(span, r + 1, height + 1)
+        for q in range(max(first - HALO, -WIDTH), min(end - HALO, width + WIDTH), WIDTH):
             own = load(marks, r + 1, q + HALO)
             inside = 0 <= r < height and 0 <= q < width
             edges = False
@@ -243,13 +249,21 @@ def _compose(
     return count
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _touched(span: Integers, r: int, last: int) -> tuple[int, int]:
+    """Return the columns in which a row, or an edge in it, may show a body."""
+    above, below = max(r - 1, 0), min(r + 1, last)
+    first = min(span[r, 0], span[above, 0], span[below, 0])
+    return first - WIDTH, max(span[r, 1], span[above, 1], span[below, 1]) + WIDTH
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _listed(changed: Plane, at: tuple[int, int], light: Plane, edge: Edges, count: int) -> int:
     """List the pixels of sixteen that have changed, from a row and a column on."""
     r, q = at
     for lane in range(WIDTH):
         if changed[0, lane] > _F(0.0):
-            edge.pixel[count] = r * light.shape[1] + q + lane
+            edge.row[count], edge.column[count] = r, q + lane
             edge.seabed[count] = light[r, q + lane]
             count += 1
     return count
@@ -269,6 +283,30 @@ def _differences(marks: Plane, r: int, q: int) -> "F32x16":
     return select_greater(maximum(across, down), f32x16(0.5), f32x16(1.0), f32x16(0.0))
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _others(
+    marks: Plane, tones: Plane, at: tuple[int, int], seabed: np.float32, faces: Plane
+) -> int:
+    """Write mark and brightness of what the neighbours of a pixel show, and return how many.
+
+    Each face once, without that of the pixel; `faces` is (2, NEIGHBOURS).
+    """
+    i, j = at
+    own, count = marks[i, j], 0
+    for n in range(NEIGHBOURS):
+        mark = marks[i + _DOWN[n], j + _ACROSS[n]]
+        if mark != own:
+            for other in range(count):
+                if faces[0, other] == mark:
+                    break
+            else:
+                faces[0, count] = mark
+                tone = tones[i + _DOWN[n], j + _ACROSS[n]]
+                faces[1, count] = tone if mark > _F(0.0) else seabed
+                count += 1
+    return count
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _draw_edges(
     instant: Instant,
@@ -285,36 +323,40 @@ def _draw_edges(
     """
     row, start, count = at
     tones, marks = planes
-    g, width = instant.ground.map, light.shape[1]
-    lens, seen = instant.lens, instant.seen
+    g, lens, seen = instant.ground.map, instant.lens, instant.seen
     inverse_f, u0, v0 = f32x16(1.0 / lens[0]), f32x16(lens[1]), f32x16(lens[2])
     zero, half, one, least = f32x16(0.0), f32x16(0.5), f32x16(1.0), f32x16(LEAST)
     across, down = load(PLACES, 0, 0), load(PLACES, 1, 0)
-    there, bright = np.empty(NEIGHBOURS, np.float32), np.empty(NEIGHBOURS, np.float32)
-    numbers = np.empty(NEIGHBOURS, np.int64)
+    faces = np.empty((2, NEIGHBOURS + 1), np.float32)
     for k in range(count):
-        r, q = edge.pixel[k] // width, edge.pixel[k] % width
+        r, q = edge.row[k], edge.column[k]
+        own = marks[r + 1, q + HALO]
+        others = _others(marks, tones, (r + 1, q + HALO), edge.seabed[k], faces)
         v, u = f32x16(float(row + r)) + down, f32x16(float(start + q)) + across
         inverse = f32x16(g[2, 0]) * u + (f32x16(g[2, 1]) * v + f32x16(g[2, 2]))
         nearest = one / maximum(inverse, least)
         x, y = (u - u0) * inverse_f, (v - v0) * inverse_f
-        for n in range(NEIGHBOURS):
-            i, j = r + 1 + _DOWN[n], q + HALO + _ACROSS[n]
-            there[n] = marks[i, j]
-            bright[n] = tones[i, j] if there[n] > _F(0.0) else edge.seabed[k]
-            numbers[n] = int(there[n] * _F(1.0 / MARKS)) - 1
-        shown, value = zero, f32x16(bright[0])
-        for n in range(NEIGHBOURS):
-            number = numbers[n]
-            for other in range(n):
-                if numbers[other] == number:
-                    number = -1
+        shown = zero
+        faces[0, others] = own  # last, so that it is among those that rays are cast at
+        for n in range(others + 1):
+            number = _new_body(faces, n)
             if number >= 0:
                 body, kind = body_at(seen.numbers, number), seen.kind[number]
                 hits = hit(kind, body, ray(body, x, y))
                 shown = select_greater(nearest, hits[0], mark(kind, body, hits), shown)
                 nearest = select_greater(nearest, hits[0], hits[0], nearest)
-        for n in range(NEIGHBOURS - 1, -1, -1):
-            other_face = _squared(shown - f32x16(there[n]))
-            value = select_greater(half, other_face, f32x16(bright[n]), value)
+        value = f32x16(light[r, q])
+        for n in range(others):
+            same = _squared(shown - f32x16(faces[0, n]))
+            value = select_greater(half, same, f32x16(faces[1, n]), value)
         light[r, q] = horizontal_sum(value) * _F(1.0 / WIDTH)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _new_body(faces: Plane, n: int) -> int:
+    """Return the body of a face; -1 for the seabed, and if a face before it is of that body."""
+    number = int(faces[0, n] * _F(1.0 / MARKS)) - 1
+    for other in range(n):
+        if int(faces[0, other] * _F(1.0 / MARKS)) - 1 == number:
+            return -1
+    return number

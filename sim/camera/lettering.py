@@ -148,15 +148,16 @@ def face(
 
 
 @lru_cache(maxsize=32)
-def label(length_m: float, width_m: float, texel_m: float, albedo: float) -> NDArray[np.float64]:
+def label(
+    length_m: float, width_m: float, texel_m: float, albedo: float, ink: float
+) -> NDArray[np.float64]:
     """Return the albedo (rows, columns) of a painted face: a rim, bolts, and the text across it.
 
-    The text and the bar below it are white on a dark face, else black. See `face` for the rest.
+    `ink` is the albedo of bolts, text and the bar below it; see `face` for the rest.
     """
     columns, rows = max(round(length_m / texel_m), 2), max(round(width_m / texel_m), 2)
     u, v = _grid(length_m, width_m, columns, rows)
     wide = length_m / width_m
-    ink = WHITE if albedo < 0.3 else BLACK
     out = np.full(u.shape, albedo)
     rim = np.minimum(np.minimum(u, wide - u), np.minimum(v, 1 - v))
     out = np.where(rim < 0.04, 0.6 * albedo, out)

@@ -184,7 +184,7 @@ class SlowRenderer:
         flip = -1.0 if (axis, sign) == (2, 1.0) else 1.0
         a, b = down
         green = int(solid.paint.colour[3:5], 16) / 255.0
-        painted = lettering.label(2 * half[a], 2 * half[b], LETTERS_TEXEL_M, green)
+        painted = lettering.label(2 * half[a], 2 * half[b], LETTERS_TEXEL_M, green, lettering.BLACK)
         grey = np.floor(painted * 255 + 0.5)
         rows, columns = grey.shape
         u = (right * place[a] / half[a] + 1) / 2 * columns - 0.5

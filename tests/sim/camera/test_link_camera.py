@@ -15,7 +15,11 @@ from seamark.sim.camera import Effects, Target, Water, start_pose
 from seamark.sim.camera.bodies import Bodies
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.link_camera import LinkCamera, downward
-from seamark.sim.multibody.assembly import Look
+from seamark.sim.multibody.assembly import Look, Mounting, assemble
+from seamark.sim.trackers import make
+from seamark.sim.vehicles import Quantity
+from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.model import Place
 from tests.sim.camera import link_scenes as scenes
 from tests.sim.camera.conftest import bilinear
 from tests.sim.camera.link_scenes import SlowRenderer, average, camera, look, placed, turned
@@ -25,6 +29,8 @@ Array = NDArray[np.float64]
 DOWN = turned(0.0, -np.pi / 2, 0.0)  # x down, z against north: image up is north
 OBLIQUE = turned(0.1, -0.6, 0.4)
 LEVEL = turned(0.0, 0.0, 0.3)
+ZERO = Quantity(meaning="zero", value=(0.0, 0.0, 0.0), unit="m", tag="E", source="a test")
+HERE = Place(point=ZERO, turn=ZERO)
 WHITE, GREY, BLACK = "#e0e0e0", "#808080", "#202020"
 
 
@@ -378,3 +384,29 @@ def test_points_are_shown_unless_something_is_before_them() -> None:
         "on it",
         "beside it",
     ]
+
+
+@pytest.mark.slow
+def test_the_template_tracker_follows_the_lettered_top_of_the_black_box() -> None:
+    thing = assemble(None, [Mounting(linkage=load_linkage("black-box"), place=HERE)])
+    bodies = Bodies(thing.looks, ("camera", "box"))
+    water = Water.of_type("II")
+    scene = LinkCamera(scenes.OPTICS, water, bodies, mount=scenes.EYE, seabed_m=5.0, noise_seed=3)
+    top = np.array([[-0.15, -0.1, -0.1], [0.15, -0.1, -0.1], [0.15, 0.1, -0.1], [-0.15, 0.1, -0.1]])
+    follower, errors = make("esm"), []
+
+    for frame in range(60):
+        sway = 0.002 * frame
+        turn = DOWN @ turned(0.3 + 0.004 * frame, 0.05, -0.05)
+        rotation = np.stack([turn, turned(0.0, 0.0, 0.2)])
+        position = np.array([[0.05 - sway, sway, 4.0], [0.0, 0.0, 4.9]])
+        links = scenes.Placed(rotation, position, np.zeros((2, 6)))
+        truth = scene.project(links, top @ rotation[1].T + position[1])
+        if frame == 0:
+            follower.start(scene.grey(links, 0), truth)
+            continue
+        track = follower.update(scene.region(links, frame, follower.window()))
+        assert track.ok
+        errors.append(np.linalg.norm(track.corners - truth, axis=1).mean())
+
+    assert max(errors) < 1.0  # [px] under a handle that moves before it
