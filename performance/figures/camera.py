@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from performance import FIGURES
+from performance.perception.arm_scene import arm_scene, cameras
 from seamark.sim.camera import JERLOV, VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.camera.effects import Effects
 from seamark.sim.settings.targets import TARGETS
@@ -57,6 +58,29 @@ def sheet(images: dict[str, Image]) -> Image:
     return np.vstack(rows)
 
 
+def seen_with_an_arm() -> dict[str, Image]:
+    """Return what the cameras of a vehicle and of its arm see, in clear and turbid water."""
+    scene = arm_scene()
+    views: dict[str, tuple[Water, dict[str, Any]]] = {
+        "Jerlov I": (Water.of_type("I"), {}),
+        "Jerlov 1C": (Water.of_type("1C"), {}),
+        "Jerlov 5C": (Water.of_type("5C"), {}),
+        "Jerlov 1C, dark, lamp, snow": (
+            Water.of_type("1C"),
+            {"light_level": 0.05, "lamp": 2.5, "snow_per_m3": 300.0},
+        ),
+    }
+    pairs = {
+        name: cameras(scene, water, effects=Effects(**effects))
+        for name, (water, effects) in views.items()
+    }
+    return {
+        f"{where}: {name}": pair[at].colour(scene.placed, 40)
+        for at, where in enumerate(("vehicle", "arm"))
+        for name, pair in pairs.items()
+    }
+
+
 def sheets() -> dict[str, Image]:
     """Return file name -> contact sheet."""
     target = Target()
@@ -74,6 +98,7 @@ def sheets() -> dict[str, Image]:
     return {
         "camera-water.png": sheet({k: rendered(w, target, {}) for k, w in waters.items()}),
         "camera-effects.png": sheet({k: rendered(WATER, target, e) for k, e in EFFECTS.items()}),
+        "camera-arm.png": sheet(seen_with_an_arm()),
         "camera-targets.png": sheet({k: rendered(WATER, box, {}) for k, box in boxes.items()}),
     }
 

@@ -1,10 +1,15 @@
-"""Images of our camera compared with PyBullet's TinyRenderer, which has no water or noise."""
+"""Images of our camera compared with PyBullet's TinyRenderer, which has no water or noise.
+
+What an arm and things in the image cost is compared with the same image without them.
+"""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pybullet
 
+from performance.perception.arm_scene import arm_scene, cameras
 from performance.tables import Row, cpu_us
 from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
 
@@ -18,7 +23,7 @@ def rows() -> list[Row]:
         row
         for size, (optics, height_m) in _HEIGHTS_M.items()
         for row in _rows_of(size, optics, height_m)
-    ]
+    ] + _rows_with_bodies()
 
 
 def _rows_of(size: str, optics: Optics, height_m: float) -> list[Row]:
@@ -45,6 +50,22 @@ def _rows_of(size: str, optics: Optics, height_m: float) -> list[Row]:
             baseline_value=baseline_us,
         )
         for what, call in calls.items()
+    ]
+
+
+def _rows_with_bodies() -> list[Row]:
+    scene, water = arm_scene(), Water()
+    count = len(scene.bodies.shapes.kind)
+    pairs = zip(cameras(scene, water), cameras(scene, water, empty=True), strict=True)
+    return [
+        Row(
+            what=f"grey image 320x240 {where}, {count} bodies",
+            value=cpu_us(partial(camera.grey, scene.placed, 3), inner=20),
+            unit="us CPU",
+            baseline="the same without bodies",
+            baseline_value=cpu_us(partial(empty.grey, scene.placed, 3), inner=20),
+        )
+        for where, (camera, empty) in zip(("on a vehicle", "on an arm"), pairs, strict=True)
     ]
 
 
