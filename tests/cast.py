@@ -19,8 +19,9 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import User
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.ending import first_results, results
 from seamark.server.runs.ending.results import Report
 from seamark.server.runs.publication import publications
@@ -32,6 +33,7 @@ from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
 from seamark.server.runs.submission import submission, validation
 from seamark.server.settings import Settings
+from seamark.sim.vehicles import own
 
 USERS = ("ann", "eva", "ben")
 STAFF = {"tim": Role.TEACHER, "olga": Role.ORGANISER, "root": Role.ADMIN}
@@ -40,6 +42,16 @@ PROGRAM = b"""
 class Controller:
     def __init__(self, config): ...
     def step(self, observation): ...
+"""
+VEHICLE = """
+format = 1
+name = "mine"
+title = "Mine"
+summary = "A BlueROV2 Heavy with a title of its own."
+extends = "bluerov2-heavy-v2"
+
+[defaults]
+kp = 0.7
 """
 PI_RUN: dict[str, Any] = {"benchmark": "currents-v1", "config": {}, "controller": "pi"}
 MANIFEST = {"seed": 7, "trials": [{"seed": 9}]}
@@ -84,6 +96,11 @@ class Backend:
         prepared.require_clean()
         return store.save(prepared, self.settings)
 
+    def store_vehicle(self, text: str = VEHICLE) -> StoredVehicle:
+        """Store the file of a vehicle as an upload of it is stored."""
+        content = text.encode()
+        return vehicles.save(own.usable(content).name, content, self.settings)
+
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""
         wanted = PI_RUN | {"viewer": self.viewers[who], "kind": RunKind(kind)} | changes
@@ -94,6 +111,12 @@ class Backend:
     def queue_program(self, who: str = "ann", **changes: Any) -> int:
         """Queue a run of an uploaded program."""
         return self.queue(who, controller="upload", program=self.store_program(), **changes)
+
+    def queue_vehicle(self, who: str = "ann", **changes: Any) -> int:
+        """Queue a run with a vehicle of its user."""
+        vehicle = self.store_vehicle()
+        config = changes.pop("config", {}) | {"vehicle": vehicle.name}
+        return self.queue(who, vehicle=vehicle, config=config, **changes)
 
     def rerun(self, run_id: int, who: str = "ann") -> int:
         with self.database.writing() as session:

@@ -19,6 +19,7 @@ from seamark.server.api.runs import (
     rosbridge,
     runs,
     sweeps,
+    vehicles,
 )
 from seamark.server.api.service import environment, health, metrics
 
@@ -29,6 +30,7 @@ RESOURCES = (
     mission_logs.api,
     sweeps.api,
     checks.api,
+    vehicles.api,
     actions.api,
     publications.api,
     events.api,

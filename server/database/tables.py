@@ -132,6 +132,7 @@ class Run(Base):
     program_parameters: Mapped[list[dict[str, Any]] | None] = mapped_column(
         _Json, deferred=True
     )  # that the program declares; their values are in `config`
+    vehicle_sha256: Mapped[str | None] = mapped_column(String(64))  # a file of the user's
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
     # as published; kept when the run is withdrawn
@@ -240,6 +241,12 @@ class Run(Base):
             postgresql_where=text("sweep_id IS NOT NULL"),
         ),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
+        Index(
+            "ix_runs_vehicle_sha256",
+            "vehicle_sha256",
+            sqlite_where=text("vehicle_sha256 IS NOT NULL"),
+            postgresql_where=text("vehicle_sha256 IS NOT NULL"),
+        ),
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
         Index("ix_runs_benchmark_finished", "benchmark", "finished_at"),
         Index(
@@ -360,6 +367,7 @@ class Check(Base):
     benchmark: Mapped[str] = mapped_column(String(80))
     config: Mapped[dict[str, Any]] = mapped_column(_Json)
     program_sha256: Mapped[str] = mapped_column(String(64))
+    vehicle_sha256: Mapped[str | None] = mapped_column(String(64))
     program_name: Mapped[str] = mapped_column(String(255))
     language: Mapped[str] = mapped_column(String(40))
     state: Mapped[str] = mapped_column(String(10))

@@ -22,6 +22,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Check, Run
 from seamark.server.messaging import workers
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 
 WAKE_UP_KEY = "seamark:checks"  # a list in the broker; its items have no meaning
 WAKE_UPS_MAX = 100
@@ -62,6 +63,7 @@ class CheckClaim:
     program_sha256: str
     program_name: str
     language: str
+    vehicle_sha256: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +84,7 @@ def enqueue(
     benchmark: str,
     config: dict[str, Any],
     program: StoredProgram,
+    vehicle: StoredVehicle | None = None,
 ) -> int:
     """Insert a check and return its id. The caller commits, then calls `wake_worker`.
 
@@ -106,6 +109,7 @@ def enqueue(
         benchmark=benchmark,
         config=config,
         program_sha256=program.sha256,
+        vehicle_sha256=None if vehicle is None else vehicle.sha256,
         program_name=program.name,
         language=program.language,
         state=CheckState.QUEUED,
@@ -166,6 +170,7 @@ def claim(
         program_sha256=check.program_sha256,
         program_name=check.program_name,
         language=check.language,
+        vehicle_sha256=check.vehicle_sha256,
     )
 
 
@@ -217,11 +222,15 @@ def recover(session: Session, abandoned: Mapping[int, float]) -> None:
 
 
 def refers_to(session: Session, sha256: str) -> bool:
-    """Return whether a check, or a run that has its data, uses the program with this key."""
-    with_data = (Run.program_sha256 == sha256, Run.data_deleted_at.is_(None))
-    run = select(Run.id).where(*with_data).limit(1)
-    check = select(Check.id).where(Check.program_sha256 == sha256).limit(1)
-    return session.scalar(run) is not None or session.scalar(check) is not None
+    """Return whether a check, or a run that has its data, uses the upload with this key."""
+    has_data = Run.data_deleted_at.is_(None)
+    users = (
+        select(Run.id).where(Run.program_sha256 == sha256, has_data),
+        select(Run.id).where(Run.vehicle_sha256 == sha256, has_data),
+        select(Check.id).where(Check.program_sha256 == sha256),
+        select(Check.id).where(Check.vehicle_sha256 == sha256),
+    )
+    return any(session.scalar(query.limit(1)) is not None for query in users)
 
 
 def show(session: Session, check_id: int, user_id: int) -> CheckView | None:

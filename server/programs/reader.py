@@ -16,7 +16,10 @@ from seamark.programs.diagnostics import Diagnostic, Stage
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server.programs import vehicles
 from seamark.server.programs.fair_semaphore import FairSemaphore
+from seamark.server.programs.vehicles import VehicleRejected, VehicleReport
+from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 SLOTS = 2  # uploads of one web process that are read at the same time; the others wait
 WAIT_S = 15.0  # for a slot
@@ -73,6 +76,28 @@ class ProgramReader:
         with self.slots.taken(owner):
             return self._prepare(source, name, role)
 
+    def read_vehicle(
+        self, stream: BinaryIO, filename: str, *, owner: str
+    ) -> tuple[VehicleReport, bytes]:
+        """Return what is to be said of the file of a vehicle, and the file.
+
+        Raises
+        ------
+        VehicleRejected
+            It is too large, or reading it costs too much.
+        SlotsBusy, ReaderBroken
+            As `read_upload`.
+        """
+        name = preparation.clean_name(filename)
+        content = stream.read(BYTES_MAX + 1)
+        vehicles.refuse_large(len(content))
+        try:
+            with self.slots.taken(owner):
+                output = self._answer({"vehicle": True}, content, name)
+        except UploadRejected as refusal:
+            raise VehicleRejected(str(refusal)) from None
+        return VehicleReport.from_json(json.loads(output)), content
+
     def close(self) -> None:
         """End the process that waits."""
         with self._lock:
@@ -82,10 +107,14 @@ class ProgramReader:
             _end(spare)
 
     def _prepare(self, source: bytes, name: str, role: str) -> PreparedProgram:
-        request = json.dumps({"filename": name, "role": role}).encode() + b"\n"
+        return _prepared(self._answer({"filename": name, "role": role}, source, name))
+
+    def _answer(self, request: dict[str, Any], source: bytes, name: str) -> bytes:
+        """Return what a process answers; raises UploadRejected if that costs too much."""
+        line = json.dumps(request).encode() + b"\n"
         process = self._take()
         try:
-            output, errors = process.communicate(request + source, timeout=WALL_S)
+            output, errors = process.communicate(line + source, timeout=WALL_S)
         except subprocess.TimeoutExpired:
             raise UploadRejected(_TOO_HEAVY.format(name)) from None
         finally:
@@ -97,7 +126,7 @@ class ProgramReader:
             raise UploadRejected(f"{name}: the file cannot be parsed.")
         if process.returncode > 0:
             raise ReaderBroken(errors[-2000:].decode(errors="replace"))
-        return _prepared(output)
+        return output
 
     def _take(self) -> "subprocess.Popen[bytes]":
         """Return a process that waits for an upload."""

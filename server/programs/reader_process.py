@@ -1,7 +1,8 @@
 """The process that reads one upload: limited in CPU time, memory and descriptors, then gone.
 
 Protocol: a line of JSON with the request and then the upload on standard input; a line of JSON
-with the answer and then the content on standard output. Started by `reader`.
+with the answer and then the content on standard output. For a vehicle, the answer is the fields of
+a `VehicleReport`, without a content. Started by `reader`.
 """
 
 import json
@@ -11,6 +12,7 @@ import sys
 from typing import Any
 
 from seamark.programs.preparation import UploadRejected, prepare
+from seamark.sandbox.printable_text import printable_text
 
 CPU_S = 4  # parsing 512 KiB of ordinary Python takes 0.5 s, an archive of 8 MiB 0.3 s
 MEMORY_MIB = 512  # of address space; the tree of 512 KiB of Python takes up to 250 MiB
@@ -22,7 +24,11 @@ def main() -> None:
     """Answer one request."""
     _limit()
     request = json.loads(sys.stdin.buffer.readline())
-    answer, content = _answer(sys.stdin.buffer.read(), request["filename"], request["role"])
+    source = sys.stdin.buffer.read()
+    if "vehicle" in request:
+        answer, content = _vehicle(source), b""
+    else:
+        answer, content = _answer(source, request["filename"], request["role"])
     sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + content)
 
 
@@ -35,6 +41,29 @@ def _answer(source: bytes, filename: str, role: str) -> tuple[dict[str, Any], by
     answer: dict[str, Any] = {"name": prepared.name, "language": prepared.language}
     answer |= {"diagnostics": diagnostics}
     return answer | {"parameters": [p.to_json() for p in prepared.parameters]}, prepared.content
+
+
+def _vehicle(content: bytes) -> dict[str, Any]:
+    """Return what is to be said of the file of a vehicle."""
+    # Here: only some uploads need numpy.
+    from seamark.sim.vehicles import own, report  # noqa: PLC0415
+    from seamark.sim.vehicles.plausibility import findings  # noqa: PLC0415
+    from seamark.sim.vehicles.reading import VehicleInvalid  # noqa: PLC0415
+
+    try:
+        vehicle = own.read(content)
+    except VehicleInvalid as invalid:
+        return {"errors": list(map(printable_text, invalid.errors))}
+    told = findings(vehicle)
+    errors = [printable_text(one.text) for one in told if one.grade == "error"]
+    return {
+        "name": own.name_of(vehicle, content),
+        "title": printable_text(vehicle.title),
+        "errors": errors,
+        "warnings": [printable_text(one.text) for one in told if one.grade == "warning"],
+        "figures": [] if errors else list(map(printable_text, report.figure_lines(vehicle))),
+        "defaults": dict(vehicle.defaults),
+    }
 
 
 def _limit() -> None:

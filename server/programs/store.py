@@ -1,5 +1,7 @@
 """The programs of all runs, stored under their SHA-256 in normal form; never run here.
 
+Vehicles that users upload are stored here too (`vehicles`).
+
 With object storage the folder has copies: a program that is missing is fetched, and compared with
 its SHA-256.
 """
@@ -51,16 +53,22 @@ def save(prepared: PreparedProgram, settings: Settings) -> StoredProgram:
     StorageUnavailable
         There is no room for it, or the data folder is away.
     """
+    sha256 = save_content(prepared.content, settings)
+    names, size = (prepared.name, prepared.language), len(prepared.content)
+    return StoredProgram(sha256, *names, size=size, parameters=prepared.parameters)
+
+
+def save_content(content: bytes, settings: Settings) -> str:
+    """Put a program or another upload into the store and return its SHA-256; raises as `save`."""
     storage.require(settings)
-    sha256 = hashlib.sha256(prepared.content).hexdigest()
+    sha256 = hashlib.sha256(content).hexdigest()
     with _store_lock(settings, fcntl.LOCK_SH):
-        _write(prepared.content, _file(settings, sha256))
+        _write(content, _file(settings, sha256))
     stored = objects.of(settings)
     if stored is not None and not _renew_object(stored, sha256):
         with _reaching():
-            stored.put(_key(sha256), prepared.content)
-    names, size = (prepared.name, prepared.language), len(prepared.content)
-    return StoredProgram(sha256, *names, size=size, parameters=prepared.parameters)
+            stored.put(_key(sha256), content)
+    return sha256
 
 
 def path(settings: Settings, sha256: str) -> Path:

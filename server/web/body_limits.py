@@ -1,7 +1,8 @@
 """How large the body of a request may be: what a form needs, whoever sends it.
 
-Only programs are large, and only accounts may upload them. Everything else is parsed in the web
-process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and 600 MiB of memory.
+Only programs and vehicles are large, and only accounts may upload them. Everything else is parsed
+in the web process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and 600 MiB of
+memory.
 """
 
 from flask import Flask, g, request
@@ -10,6 +11,7 @@ from werkzeug.exceptions import BadRequest, RequestEntityTooLarge
 from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.settings import Settings
+from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 FORM_MAX_BYTES = 128 * 1024  # of a body without a program: URL-encoded, JSON or multipart
 JSON_MAX_BYTES = 64 * 1024  # of a JSON document; the configuration of a large grid takes 10 KiB
@@ -25,8 +27,8 @@ def register(app: Flask, settings: Settings) -> None:
     @app.before_request
     def limit_body() -> None:
         uploads = request.mimetype == _MULTIPART and can(g.viewer, Action.UPLOAD)
-        program, text = (settings.upload_max_bytes, TEXT_MAX_BYTES) if uploads else (0, 0)
-        request.max_content_length = FORM_MAX_BYTES + program
+        files, text = (_files_max(settings), TEXT_MAX_BYTES) if uploads else (0, 0)
+        request.max_content_length = FORM_MAX_BYTES + files
         # Each field that is no file; the editor sends the text of a program as one.
         request.max_form_memory_size = FORM_MAX_BYTES + text
 
@@ -43,7 +45,12 @@ def register(app: Flask, settings: Settings) -> None:
 def body_max(settings: Settings, content_type: str) -> int:
     """Return the largest body [byte] of this type that anybody may send; no more is received."""
     uploads = content_type.startswith(_MULTIPART)
-    return FORM_MAX_BYTES + (settings.upload_max_bytes if uploads else 0)
+    return FORM_MAX_BYTES + (_files_max(settings) if uploads else 0)
+
+
+def _files_max(settings: Settings) -> int:
+    """Return the size [byte] of the largest program with the largest vehicle."""
+    return settings.upload_max_bytes + VEHICLE_MAX_BYTES
 
 
 def form_fields() -> dict[str, str]:

@@ -1,10 +1,11 @@
-"""The program of a request: read, checked and stored."""
+"""The program and the vehicle of a request: read, checked and stored."""
 
 from typing import BinaryIO
 
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.submission import quota
 from seamark.server.web.services import services
 
@@ -33,3 +34,21 @@ def store_program(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str)
     with current.database.reading() as session:
         quota.enforce(session, viewer, current.settings, new_bytes=len(prepared.content))
     return store.save(prepared, current.settings)
+
+
+def store_vehicle(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredVehicle:
+    """Store a vehicle with which the viewer may submit a run.
+
+    Raises
+    ------
+    VehicleRejected
+        It is no vehicle that can run.
+    QuotaExceeded, StorageUnavailable
+        As `store_program`.
+    """
+    current = services()
+    report, content = current.reader.read_vehicle(stream, filename, owner=viewer.owner or "")
+    report.require_usable()
+    with current.database.reading() as session:
+        quota.enforce(session, viewer, current.settings, new_bytes=len(content))
+    return vehicles.save(report.name, content, current.settings)

@@ -14,15 +14,15 @@ from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
-from seamark.sim.vehicles import load, most_thrusters, own
+from seamark.sim.vehicles import is_known, load, most_thrusters, own
 from seamark.sim.vehicles.linkage import Linkage
 
 experiment_setting = partial(setting, group="Experiment", role="scenario")
 
 SMALLEST_SIDE_PX = 16.0  # [px] a tracker cannot be initialised on a smaller target
 OWN_VEHICLE = (
-    " A vehicle of your own runs on your computer, not on a server: seamark run BENCHMARK --set "
-    "vehicle=FILE.toml."
+    " A vehicle of your own is chosen by its file: seamark run or seamark submit BENCHMARK --set "
+    "vehicle=FILE.toml, or the form of a run."
 )
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners remain a convex quadrilateral
 
@@ -129,14 +129,14 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     @classmethod
     def accepts(cls, name: str, value: object) -> bool:
         """Return whether a value is the vehicle of a user that this process has read."""
-        return name == own.SETTING and own.file_of(value) is not None
+        return name == own.SETTING and own.is_own(value) and is_known(value)
 
     @classmethod
     def hint(cls, name: str, value: object) -> str:
         """Return where a vehicle's file can be used."""
         if name != own.SETTING or not isinstance(value, str):
             return ""
-        return OWN_VEHICLE if value.endswith(own.SUFFIX) or "@" in value else ""
+        return OWN_VEHICLE if value.endswith(own.SUFFIX) or own.is_own(value) else ""
 
     @classmethod
     def preset(cls, name: str, value: object) -> Mapping[str, object]:
@@ -243,7 +243,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def unused_columns(self) -> frozenset[str]:
         """Return the thrust columns that the vehicle does not use, and the contact force if off."""
         # A stored run may name one that no longer exists.
-        known = [name for name in self.vehicles() if name in VEHICLES or own.file_of(name)]
+        known = [name for name in self.vehicles() if is_known(name)]
         count = max((len(load(name).thrusters) for name in known), default=COMMON_THRUSTERS)
         idle = set(thrust_names(max(most_thrusters(), COMMON_THRUSTERS))[count:])
         return frozenset(idle if self.contact else idle | {"contact_n"})

@@ -4,7 +4,10 @@ Adding a vehicle is one TOML file here (`docs/vehicles.md`); the registry finds 
 needs no compiled code: forms and documentation read it as well.
 """
 
+from collections.abc import Mapping
+from contextvars import ContextVar
 from functools import cache
+from types import MappingProxyType
 
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles.model import (
@@ -31,11 +34,15 @@ __all__ = [
     "Thruster",
     "Vehicle",
     "added",
+    "is_known",
+    "lent",
     "load",
     "most_thrusters",
 ]
 
 added: dict[str, Vehicle] = {}  # by users, to this process (`own`)
+# By users, to what is done at the moment for one of them in a process that serves many.
+lent: ContextVar[Mapping[str, Vehicle]] = ContextVar("lent", default=MappingProxyType({}))
 
 
 def load(name: str) -> Vehicle:
@@ -44,9 +51,14 @@ def load(name: str) -> Vehicle:
     Raises
     ------
     LookupError
-        There is no such vehicle in the registry, and none was added.
+        There is no such vehicle in the registry, and none was added or lent.
     """
-    return added[name] if name in added else _read(name, ())
+    return lent.get().get(name) or added.get(name) or _read(name, ())
+
+
+def is_known(name: object) -> bool:
+    """Return whether `load` returns a vehicle of this name now."""
+    return isinstance(name, str) and (name in VEHICLES or name in added or name in lent.get())
 
 
 @cache

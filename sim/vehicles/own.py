@@ -2,23 +2,27 @@
 
 A run names such a vehicle by its name and the start of its file's SHA-256, as in
 "my-rov@0123456789abcdef", so that no other can be taken for it. Its manifest has the file itself. A
-service adds none: there, only the vehicles of the registry can be chosen.
+process that serves many users adds none: it lends one for as long as it works on a run with it.
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 from seamark.sim.registry import VEHICLES
-from seamark.sim.vehicles import added, load
+from seamark.sim.vehicles import Vehicle, added, lent, load
 from seamark.sim.vehicles.plausibility import findings
 from seamark.sim.vehicles.reading import VehicleInvalid, read_vehicle
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 SUFFIX = ".toml"
 SETTING = "vehicle"
+_MARK = "@"
 _HASH_DIGITS = 16
+_KEPT = 16  # vehicles of which each is at most a few hundred KiB
 
 
 class VehicleFile(NamedTuple):
@@ -28,30 +32,81 @@ class VehicleFile(NamedTuple):
     text: str
 
 
+class OwnVehicle(NamedTuple):
+    """A vehicle that may be used, and the name by which settings choose it."""
+
+    name: str
+    vehicle: Vehicle
+
+
 _FILES: dict[str, VehicleFile] = {}
 
 
 def add(content: bytes) -> str:
-    """Add a vehicle and return the name by which settings choose it.
+    """Add a vehicle to this process and return the name by which settings choose it.
 
     Raises
     ------
     VehicleInvalid
         Its file breaks a rule, has the name of one of ours, or no such body exists.
     """
+    name, vehicle = usable(content)
+    added[name] = vehicle
+    _FILES[name] = VehicleFile(hashlib.sha256(content).hexdigest(), content.decode("utf-8"))
+    return name
+
+
+@contextmanager
+def lending(content: bytes) -> Iterator[str]:
+    """Let this thread use a vehicle meanwhile, and nothing else in this process.
+
+    Raises
+    ------
+    VehicleInvalid
+        As `add`.
+    """
+    name, vehicle = usable(content)
+    before = lent.set({**lent.get(), name: vehicle})
+    try:
+        yield name
+    finally:
+        lent.reset(before)
+
+
+@lru_cache(maxsize=_KEPT)
+def usable(content: bytes) -> OwnVehicle:
+    """Return the vehicle of a file if it can run; raises VehicleInvalid as `add`."""
+    vehicle = read(content)
+    errors = [finding.text for finding in findings(vehicle) if finding.grade == "error"]
+    if errors:
+        raise VehicleInvalid(errors)
+    return OwnVehicle(name_of(vehicle, content), vehicle)
+
+
+def read(content: bytes) -> Vehicle:
+    """Return the vehicle of a file, which perhaps cannot exist.
+
+    Raises
+    ------
+    VehicleInvalid
+        Its file breaks a rule, or has the name of one of ours.
+    """
     vehicle = read_vehicle(content, base=load)
     if vehicle.name in VEHICLES:
         raise VehicleInvalid(
             [f"name: {vehicle.name} is a vehicle of Seamark; give yours another name."]
         )
-    errors = [finding.text for finding in findings(vehicle) if finding.grade == "error"]
-    if errors:
-        raise VehicleInvalid(errors)
-    sha256 = hashlib.sha256(content).hexdigest()
-    name = f"{vehicle.name}@{sha256[:_HASH_DIGITS]}"
-    added[name] = vehicle
-    _FILES[name] = VehicleFile(sha256, content.decode("utf-8"))
-    return name
+    return vehicle
+
+
+def name_of(vehicle: Vehicle, content: bytes) -> str:
+    """Return the name by which settings choose the vehicle of a file."""
+    return f"{vehicle.name}{_MARK}{hashlib.sha256(content).hexdigest()[:_HASH_DIGITS]}"
+
+
+def is_own(name: object) -> bool:
+    """Return whether a setting names a user's vehicle, known here or not."""
+    return isinstance(name, str) and _MARK in name
 
 
 def file_of(name: object) -> VehicleFile | None:

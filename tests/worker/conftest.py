@@ -91,7 +91,11 @@ class Service(Backend):
         with self.database.writing() as session:
             check_id = check_queue.enqueue(session, user_id, "currents-v1", dict(config), program)
         check_queue.wake_worker(self.redis)
-        deadline = time.monotonic() + START_S
+        return self.report_of(check_id)
+
+    def report_of(self, check_id: int) -> dict[str, Any]:
+        """Return the report of a check of ann's when there is one."""
+        deadline, user_id = time.monotonic() + START_S, self.user_id("ann")
         while True:
             with self.database.reading() as session:
                 view = check_queue.show(session, check_id, user_id)

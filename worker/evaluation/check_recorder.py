@@ -49,7 +49,7 @@ class CheckRecorder:
         outcome.traceback, outcome.usage = run.traceback, run.usage
         outcome.output = self._log.decode("utf-8", "replace")
         entry = registry.benchmark(job.benchmark)
-        trial_s = entry.trial_duration_s(entry.read(parameters.split(job.config)[0]))
+        trial_s = entry.trial_duration_s(entry.restore(parameters.split(job.config)[0]))
         steps_per_s = len(outcome.step_us) / max(outcome.t_simulated, 1.0)
         allowed_s = trial_limits.for_trial(trial_s).cpu_s / max(trial_s * steps_per_s, 1.0)
         return check_report.from_outcome(outcome, step_allowed_us=allowed_s * 1e6)

@@ -40,3 +40,9 @@ class RunOutcome:
         """Return the outcome that `to_json` was given."""
         failure = values.pop("failure")
         return cls(failure=None if failure is None else FailureReason(failure), **values)
+
+
+def no_longer_valid(why: Exception) -> RunOutcome:
+    """Return how a run ends whose configuration most likely an older version has accepted."""
+    sentence = f"This configuration is no longer valid: {why}"
+    return RunOutcome(failure=FailureReason.BENCHMARK_ERROR, sentence=sentence)

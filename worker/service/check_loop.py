@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from functools import partial
+from pathlib import Path
 
 import structlog
 from redis import Redis
@@ -148,14 +149,18 @@ class CheckLoop:
         def watch() -> None:
             self._watch(claim, deadline)
 
+        def uploaded(sha256: str) -> Path:
+            return watched(partial(program_file, self._settings, sha256), watch)
+
         job = Job(
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=(SEED,),
             controller="upload",
-            program=watched(partial(program_file, self._settings, claim.program_sha256), watch),
+            program=uploaded(claim.program_sha256),
             filename=claim.program_name,
             language=claim.language,
+            vehicle=None if claim.vehicle_sha256 is None else uploaded(claim.vehicle_sha256),
             check=True,
         )
         with self._simulator.begin(job) as simulation:

@@ -22,6 +22,7 @@ from seamark.server.settings import Settings
 from seamark.server.storage import storage
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.ipc.messages import StreamBroken
+from seamark.worker.ipc.outcomes import RunOutcome, no_longer_valid
 from seamark.worker.service.live_states import LivePublisher
 from seamark.worker.service.run_driver import RunContext, RunDriver
 from seamark.worker.service.run_lease import LeaseEnded
@@ -57,7 +58,7 @@ def _evaluate(context: RunContext, claim: Claim) -> bool:
         driver = RunDriver(context, claim)
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
         _log.error("configuration_invalid", why=str(error))
-        return _fail(context, claim, f"This configuration is no longer valid: {error}")
+        return _fail(context, claim, no_longer_valid(error))
     try:
         return _drive(context, driver)
     finally:
@@ -109,10 +110,10 @@ def blame(settings: Settings, error: Exception) -> AttemptEnd:
     return AttemptEnd.STORAGE_FAILED if away else AttemptEnd.EVALUATION_BROKE
 
 
-def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:
+def _fail(context: RunContext, claim: Claim, outcome: RunOutcome) -> bool:
     """End a run that cannot start; a retry would not help and no program is to blame."""
-    cause = FailureReason.BENCHMARK_ERROR
-    detail = describe(cause, sentence=sentence)
+    cause = outcome.failure or FailureReason.BENCHMARK_ERROR
+    detail = describe(cause, sentence=outcome.sentence)
     detail |= {"traceback": "", "log_tail": "", "t_reached": 0.0}
     report = Report(state=RunState.FAILED, cause=cause, detail=detail, progress=0.0)
     with context.database.writing() as session:

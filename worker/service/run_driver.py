@@ -68,7 +68,9 @@ class RunDriver:
         benchmark = registry.benchmark(claim.benchmark)
         protocol = benchmark.protocol if claim.kind is RunKind.RANKED else None
         chosen, _ = parameters.split(claim.config)
-        self._trial_s = benchmark.trial_duration_s(benchmark.read(chosen))
+        # The simulator's process reads the file of a user's vehicle, and then the configuration.
+        read = benchmark.read if claim.vehicle_sha256 is None else benchmark.restore
+        self._trial_s = benchmark.trial_duration_s(read(chosen))
         self._recorder = RunRecorder(
             self._files,
             trial_s=self._trial_s,
@@ -85,7 +87,7 @@ class RunDriver:
             progress=self._progress,
             isolation=self._isolation,
         )
-        self._program_bytes = 0
+        self._uploaded_bytes = 0
         self._disk_at = 0.0  # monotonic
 
     def run(self) -> Report:
@@ -185,7 +187,7 @@ class RunDriver:
             self._files.remove()
 
     def _data_bytes(self) -> int:
-        return self._files.size() + self._program_bytes
+        return self._files.size() + self._uploaded_bytes
 
     def make_room(self) -> None:
         """Remove what this attempt has recorded from this machine, perhaps for the database."""
@@ -213,25 +215,29 @@ class RunDriver:
         self.store(report)
 
     def _job(self) -> Job:
-        claim, settings = self._claim, self._context.settings
-        program = None
-        if claim.program_sha256 is not None:
-            away_s = 0.0 if self._upload is None else STORE_AWAY_S
-            program = fetched_program(
-                settings, claim.program_sha256, self._watch_claim, within_s=away_s
-            )
-            self._program_bytes = program.stat().st_size
+        claim = self._claim
         return Job(
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=_seeds(claim),
             ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
-            program=program,
+            program=self._uploaded(claim.program_sha256),
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
+            vehicle=self._uploaded(claim.vehicle_sha256),
             bridge=self._context.bridge,
         )
+
+    def _uploaded(self, sha256: str | None) -> Path | None:
+        """Return the file of what was uploaded for the run; None if nothing was."""
+        if sha256 is None:
+            return None
+        away_s = 0.0 if self._upload is None else STORE_AWAY_S
+        settings = self._context.settings
+        file = fetched_program(settings, sha256, self._watch_claim, within_s=away_s)
+        self._uploaded_bytes += file.stat().st_size
+        return file
 
     def _watch(self, simulation: Simulation) -> None:
         """Watch the claim; raise also if nothing happens in the simulation."""

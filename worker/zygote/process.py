@@ -14,11 +14,16 @@ import signal
 import socket
 from typing import NamedTuple
 
+from seamark.programs import parameters
 from seamark.sandbox.isolation.cgroups import remove_orphans
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool
+from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.vehicles import own
+from seamark.sim.vehicles.reading import VehicleInvalid
 from seamark.worker.evaluation.bridged import evaluate_bridged
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.evaluation import Evaluation
@@ -28,7 +33,7 @@ from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import Sender
 from seamark.worker.ipc.messages import BoxFailed, Crashed, RunEnded, Started
-from seamark.worker.ipc.outcomes import RunOutcome
+from seamark.worker.ipc.outcomes import RunOutcome, no_longer_valid
 from seamark.worker.ipc.process_control import die_with_parent, limit_simulator, pin, run_forked
 
 READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
@@ -129,6 +134,13 @@ def _run(
 
 
 def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutcome:
+    if job.vehicle is not None:
+        # A stranger's: it is known to this process alone, which ends with the run.
+        try:
+            own.add(job.vehicle.read_bytes())
+            registry.benchmark(job.benchmark).read(parameters.split(job.config)[0])
+        except (VehicleInvalid, ConfigurationInvalid) as invalid:
+            return no_longer_valid(invalid)
     compile_program = sandboxed_compiler(slot)
     if job.check:
         return check(job, sender, pool.take, compile_program)

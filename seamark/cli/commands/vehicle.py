@@ -134,9 +134,9 @@ class _Checked(NamedTuple):
 
 
 def _checked_vehicle(source: str) -> _Checked:
-    from seamark.cli.vehicle_report import figures, lines
     from seamark.sim.vehicles.drawing import drawing
     from seamark.sim.vehicles.plausibility import findings
+    from seamark.sim.vehicles.report import figures, lines
 
     vehicle = _vehicle_of(source)
     errors, warnings = _graded(findings(vehicle))

@@ -13,7 +13,7 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.seeds import seeds_hidden
 from seamark.server.runs.showing.views import RunView
@@ -117,7 +117,8 @@ def manifest(path: RunPath) -> Response:
     document = view.manifest or access.files_of(view).manifest()
     if document is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
-    return jsonify(with_publication(without_hidden_seeds(document, view), view))
+    whole = vehicles.with_text(document, view, services().settings)
+    return jsonify(with_publication(without_hidden_seeds(whole, view), view))
 
 
 def without_hidden_seeds(value: Any, view: RunView) -> Any:

@@ -16,7 +16,7 @@ from seamark.server.api.data import files as run_files
 from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import RunPath
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.conversions import Job
 from seamark.server.runs.publication import citations
@@ -97,6 +97,7 @@ def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
         seeds=list(map(trial_seeds(view, settings), range(view.trials))) if kind.images else None,
         comments=run_files.comments(view, files, count),
         manifest=_manifest(view, manifest),
+        vehicle=_vehicle(view),
         metrics=run_files.without_hidden_seeds(metrics, view),
         program=None if program is None else view.program_name or "program",
         extra_files=_citation(view) if kind.whole else {},
@@ -108,7 +109,14 @@ def _manifest(view: RunView, manifest: Any) -> Any:
     """Return the manifest as it may be shown; a run that has not ended has none."""
     if manifest is None:
         return None
-    return with_publication(run_files.without_hidden_seeds(manifest, view), view)
+    whole = vehicles.with_text(manifest, view, services().settings)
+    return with_publication(run_files.without_hidden_seeds(whole, view), view)
+
+
+def _vehicle(view: RunView) -> str | None:
+    """Return the file of the run's own vehicle; None without one, or if it was deleted."""
+    content = vehicles.content_of(view, services().settings)
+    return None if content is None else content.decode("utf-8")
 
 
 def _citation(view: RunView) -> dict[str, str]:

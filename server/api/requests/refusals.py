@@ -7,7 +7,9 @@ from contextlib import contextmanager
 
 from seamark.programs.preparation import UploadRejected, UploadTooLarge
 from seamark.server.classes.refusals import ClassRefused
+from seamark.server.programs import vehicles
 from seamark.server.programs.check_queue import CheckRefused
+from seamark.server.programs.vehicles import VehicleRejected, VehicleTooLarge
 from seamark.server.runs.submission.quota import QuotaExceeded
 from seamark.server.runs.submission.validation import (
     AccountNeeded,
@@ -33,6 +35,9 @@ def as_problems() -> Iterator[None]:
     except UploadRejected as refusal:
         slug = "payload-too-large" if isinstance(refusal, UploadTooLarge) else "upload-rejected"
         raise Problem(slug, str(refusal), errors={"program": str(refusal)}) from None
+    except VehicleRejected as refusal:
+        slug = "payload-too-large" if isinstance(refusal, VehicleTooLarge) else "upload-rejected"
+        raise Problem(slug, str(refusal), errors={vehicles.FIELD: str(refusal)}) from None
     except QuotaExceeded as refusal:
         raise _to_retry("quota-exceeded", refusal) from None
     except CheckRefused as refusal:

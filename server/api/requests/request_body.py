@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from flask import request
 from pydantic import BaseModel, Field, ValidationError
@@ -11,6 +11,7 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.api.requests.query import Query
 from seamark.server.api.requests.schemas import RunRequest
+from seamark.server.programs import vehicles
 from seamark.server.runs.submission.submission_keys import SubmissionKey
 from seamark.server.runs.submission.validation import Submission
 from seamark.server.web.body_limits import JSON_MAX_BYTES
@@ -42,8 +43,10 @@ class SubmissionHeaders(Query):
         if self.key is None or user_id is None:
             return None
         program = None if submission.program is None else submission.program.sha256
+        vehicle = None if submission.vehicle is None else submission.vehicle.sha256
         content = request.model_dump(mode="json") | {"kind of request": type(request).__name__}
-        return SubmissionKey.of(user_id, self.key, request=content | {"program": program})
+        uploads = {"program": program} | ({} if vehicle is None else {"vehicle": vehicle})
+        return SubmissionKey.of(user_id, self.key, request=content | uploads)
 
 
 def json_body(model: type[Model]) -> Model:
@@ -53,10 +56,17 @@ def json_body(model: type[Model]) -> Model:
     return _parse(model, request.get_data(cache=False))
 
 
-def run_request(model: type[Run]) -> tuple[Run, FileStorage | None]:
-    """Return the validated run and, from a multipart form, its program; raises Problem."""
+class Uploads(NamedTuple):
+    """The files of a multipart form."""
+
+    program: FileStorage | None = None
+    vehicle: FileStorage | None = None
+
+
+def run_request(model: type[Run]) -> tuple[Run, Uploads]:
+    """Return the validated run and, from a multipart form, its files; raises Problem."""
     if request.is_json:
-        return json_body(model), None
+        return json_body(model), Uploads()
     if request.mimetype != "multipart/form-data":
         raise Problem("unsupported-media-type")
     program_max_bytes = services().settings.upload_max_bytes
@@ -67,10 +77,10 @@ def run_request(model: type[Run]) -> tuple[Run, FileStorage | None]:
             "The part run is missing.",
             errors={"run": "This part is required and contains JSON."},
         )
-    program = request.files.get("program")
-    if program is not None:
-        _check_size(program, program_max_bytes)
-    return _parse(model, text.encode("utf-8", "surrogatepass")), program
+    uploads = Uploads(request.files.get("program"), request.files.get(vehicles.FIELD))
+    if uploads.program is not None:
+        _check_size(uploads.program, program_max_bytes)
+    return _parse(model, text.encode("utf-8", "surrogatepass")), uploads
 
 
 def _parse(model: type[Model], data: bytes) -> Model:

@@ -17,9 +17,11 @@ from seamark.server.api.requests import refusals, request_body
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import RunRequest
 from seamark.server.api.runs.check_schemas import CheckPath, CheckQuery, CheckResponse
+from seamark.server.api.runs.vehicles import vehicle_of, with_vehicle
 from seamark.server.messaging import workers
-from seamark.server.programs import check_queue, store
+from seamark.server.programs import check_queue, store, vehicles
 from seamark.server.programs.check_queue import CheckState, CheckView
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.submission import submission, validation
 from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.web import access, rate_limits
@@ -53,20 +55,23 @@ def create(query: CheckQuery) -> Response:
     can run one at a time. The answer also has the `parameters` that the program declares; with
     `run=false` it is only read, which takes no worker.
     """
-    body, file = request_body.run_request(RunRequest)
+    body, files = request_body.run_request(RunRequest)
     access.require_scope(Action.UPLOAD)
     with refusals.as_problems():
-        validation.require_permission(access.viewer(), uploads=True)
-        if file is None:
+        validation.require_permission(access.viewer(), uploads="program")
+        if files.program is None:
             raise SubmissionRejected("Send the program to check.", field="program")
         benchmark = validation.find_benchmark(body.benchmark)
-        prepared = _read_program(file, benchmark)
+        prepared = _read_program(files.program, benchmark)
         declared = configurations.declared_in(benchmark, prepared.language, prepared.parameters)
         shown = {"parameters": [one.to_json() for one in declared]}
         if prepared.diagnostics or not query.run:
             return jsonify(_only_read(benchmark.name, prepared) | shown)
-        values = configurations.read(benchmark, body.config, declared).document()
-        check_id = _enqueue(benchmark, values, prepared)
+        vehicle = vehicle_of(files)
+        config = with_vehicle(body.config, vehicle)
+        with vehicles.lent(vehicle):
+            values = configurations.read(benchmark, config, declared).document()
+        check_id = _enqueue(benchmark, values, prepared, vehicle)
     return _response(_wait_for(check_id, query.wait), shown)
 
 
@@ -89,14 +94,19 @@ def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
     return reader.read_upload(stream, name, owner=owner, limit=limit, role=benchmark.role)
 
 
-def _enqueue(benchmark: Benchmark, values: dict[str, Any], prepared: PreparedProgram) -> int:
+def _enqueue(
+    benchmark: Benchmark,
+    values: dict[str, Any],
+    prepared: PreparedProgram,
+    vehicle: StoredVehicle | None,
+) -> int:
     """Queue a check and return its id; raises SubmissionRejected or CheckRefused."""
     current, user_id = services(), access.require_account(Action.UPLOAD)
     with current.database.reading() as session:
         submission.require_language(session, benchmark, prepared.language, current.settings)
     program = store.save(prepared, current.settings)
     with current.database.writing() as session:
-        check_id = check_queue.enqueue(session, user_id, benchmark.name, values, program)
+        check_id = check_queue.enqueue(session, user_id, benchmark.name, values, program, vehicle)
     check_queue.wake_worker(current.redis)
     return check_id
 

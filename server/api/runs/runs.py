@@ -16,7 +16,7 @@ from seamark.server.api.administration.rejudgement_schemas import Recomputations
 from seamark.server.api.data.files import without_hidden_seeds
 from seamark.server.api.requests import refusals, request_body
 from seamark.server.api.requests.operation_ids import operation_id
-from seamark.server.api.requests.request_body import SubmissionHeaders
+from seamark.server.api.requests.request_body import SubmissionHeaders, Uploads
 from seamark.server.api.requests.schemas import (
     RunPath,
     RunRequest,
@@ -25,6 +25,7 @@ from seamark.server.api.requests.schemas import (
     run_answer,
 )
 from seamark.server.api.runs.run_lists import RunsQuery
+from seamark.server.api.runs.vehicles import vehicle_of, with_vehicle
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.recomputation import rejudged
 from seamark.server.runs.recomputation.rejudged import Recomputation
@@ -60,12 +61,13 @@ api = APIBlueprint(
 def create(header: SubmissionHeaders) -> Response:
     """Submit a run of a built-in controller (JSON) or of a program (multipart).
 
-    Guests may try built-in controllers; programs and ranked runs need an account.
+    Guests may try built-in controllers; programs, vehicles and ranked runs need an account. A
+    practice run may have a vehicle of your own, as the part `vehicle` of the multipart form.
     """
-    run, file = request_body.run_request(RunRequest)
+    run, files = request_body.run_request(RunRequest)
     access.require_scope(Action.SUBMIT)
     with refusals.as_problems():
-        sent, settings = submission_of(run, file), services().settings
+        sent, settings = submission_of(run, files), services().settings
         valid, key = validation.validate(sent, settings), header.submission_key(run, sent)
         with services().database.writing() as database:
             run_id = submission_keys.once(
@@ -74,20 +76,31 @@ def create(header: SubmissionHeaders) -> Response:
     return _accepted(run_id)
 
 
-def submission_of(run: RunRequest, file: FileStorage | None) -> Submission:
-    """Return the submission in a request, whose program is stored.
+def submission_of(run: RunRequest, files: Uploads) -> Submission:
+    """Return the submission in a request, whose program and vehicle are stored.
 
     Raises
     ------
-    SubmissionRejected, UploadRejected, QuotaExceeded, StorageUnavailable
-        It is not permitted, or the program cannot be stored.
+    SubmissionRejected, UploadRejected, VehicleRejected, QuotaExceeded, StorageUnavailable
+        It is not permitted, or a file cannot be stored.
     """
     viewer, kind = authentication.become_guest(), RunKind(run.kind)
-    validation.require_permission(viewer, kind=kind, uploads=file is not None)
-    program = None if file is None else _store(file, validation.find_benchmark(run.benchmark))
+    uploads = "program" if files.program else "vehicle" if files.vehicle else ""
+    validation.require_permission(viewer, kind=kind, uploads=uploads)
+    benchmark = validation.find_benchmark(run.benchmark)
+    program = None if files.program is None else _store(files.program, benchmark)
     built_in = run.controller or (UPLOAD if program is not None else "")
-    sent = run.model_dump(include={"benchmark", "config", "seed", "trials", "title", "notes"})
-    wanted = Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent)
+    sent = run.model_dump(include={"benchmark", "seed", "trials", "title", "notes"})
+    vehicle = vehicle_of(files)
+    wanted = Submission(
+        viewer=viewer,
+        kind=kind,
+        controller=built_in,
+        program=program,
+        vehicle=vehicle,
+        config=with_vehicle(run.config, vehicle),
+        **sent,
+    )
     if run.assignment is None:
         return wanted
     with services().database.reading() as database:

@@ -100,12 +100,12 @@ def create(header: SubmissionHeaders) -> Response:
 
     The request body is that of `POST /runs` with `sweep`. All runs have the same seed.
     """
-    body, file = request_body.run_request(SweepRequest)
+    body, files = request_body.run_request(SweepRequest)
     access.require_scope(Action.SUBMIT)
     settings = services().settings
     with refusals.as_problems():
         axes = [sweep_axes.read_axis(axis.name, axis.values) for axis in body.sweep]
-        sent = submission_of(body, file)
+        sent = submission_of(body, files)
         planned, key = sweeps.plan(sent, axes, settings), header.submission_key(body, sent)
         with services().database.writing() as database:
             sweep_id = submission_keys.once(

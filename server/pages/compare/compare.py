@@ -10,6 +10,7 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages.compare.compared_programs import program_differences
 from seamark.server.pages.previews import link_previews
+from seamark.server.programs import vehicles
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.record.seeds import trial_seeds
 from seamark.server.runs.record.solutions import entry_name
@@ -168,6 +169,8 @@ def _charts(runs: Sequence[RunView]) -> list[dict[str, str]]:
     charts = []
     for run in runs:
         benchmark = registry.benchmark(run.benchmark)
+        with vehicles.lent_to(services().settings, run):
+            shown = benchmark.charts_of(benchmark.restore(run.config))
         charts.append(
             {
                 column: {
@@ -175,7 +178,7 @@ def _charts(runs: Sequence[RunView]) -> list[dict[str, str]]:
                     "title": chart.title if len(chart.columns) == 1 else f"{chart.title}: {column}",
                     "unit": chart.unit,
                 }
-                for chart in benchmark.charts_of(benchmark.restore(run.config))
+                for chart in shown
                 for column in chart.columns
             }
         )

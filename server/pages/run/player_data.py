@@ -10,9 +10,11 @@ from seamark.server.pages.run.log_view import (
     has_unknown_current,
     tracks,
 )
+from seamark.server.programs import vehicles
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web import known_benchmarks
+from seamark.server.web.services import services
 from seamark.server.web.streams.excerpts import start_of_trial
 from seamark.sim.benchmarks.benchmark import Chart
 from seamark.sim.recording import telemetry
@@ -26,6 +28,8 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     """Return levels, charts and columns of a run."""
     benchmark = known_benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
+    with vehicles.lent_to(services().settings, run):
+        charts = _charts(run, benchmark.charts_of(config))
     absent = absent_columns(run)
     return {
         "id": run.id,
@@ -40,7 +44,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "arm": telemetry.has_arm(len(files.columns)),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
-        "charts": _charts(run, benchmark.charts_of(config)),
+        "charts": charts,
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
             for column in telemetry.columns(len(files.columns))

@@ -1,6 +1,6 @@
 """What the form of a new run shows at first: defaults, presets of the URL, or an earlier run."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from flask import g, request
 
@@ -10,8 +10,9 @@ from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.tables import Run
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import views
@@ -33,6 +34,7 @@ class Prefill:
     values: dict[str, object]  # setting -> value; the others have their defaults
     posted: dict[str, str] = field(default_factory=dict)  # the other fields of the form
     program: StoredProgram | None = None  # kept, so that no file has to be chosen again
+    vehicle: StoredVehicle | None = None  # kept too
     note: str = ""  # a sentence: where it is from, and what is missing
 
 
@@ -95,6 +97,17 @@ def _requested_run(benchmark: Benchmark) -> RunView | None:
 
 def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
     """Return the form of a run: the same program, configuration, kind and seed."""
+    vehicle, why_not = _vehicle(run)
+    shown = _with_program(benchmark, run)
+    if not why_not:
+        return replace(shown, vehicle=vehicle)
+    values = {name: value for name, value in shown.values.items() if name != vehicles.FIELD}
+    return replace(
+        shown, values=values, note=f"{shown.note} It does not have its vehicle: {why_not}."
+    )
+
+
+def _with_program(benchmark: Benchmark, run: RunView) -> Prefill:
     ranked = run.kind is RunKind.RANKED and can(g.viewer, Action.SUBMIT_RANKED)
     posted = {
         "controller": run.controller,
@@ -149,6 +162,18 @@ def _for_assignment(
         program=None if first is None else first.program,
         note="" if first is None else first.note,
     )
+
+
+def _vehicle(run: RunView) -> tuple[StoredVehicle | None, str]:
+    """Return the run's own vehicle, and why the viewer cannot use it again; empty if they can."""
+    if run.vehicle_sha256 is None:
+        return None, ""
+    if not can(g.viewer, Action.UPLOAD):
+        return None, "uploading one needs an account"
+    try:
+        return vehicles.of_run(run, services().settings), ""
+    except FileNotFoundError:
+        return None, "it has been deleted"
 
 
 def _program(run: RunView) -> tuple[StoredProgram | None, str]:

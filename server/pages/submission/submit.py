@@ -10,9 +10,17 @@ from seamark.server.accounts.permissions import Action, can
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.messaging import workers
 from seamark.server.pages.benchmark import form_fields
-from seamark.server.pages.submission import own_parameters, prefill, submitted_program, sweep_fields
+from seamark.server.pages.submission import (
+    own_parameters,
+    prefill,
+    submitted_program,
+    submitted_vehicle,
+    sweep_fields,
+)
 from seamark.server.pages.submission.prefill import Prefill
+from seamark.server.programs import vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle, VehicleRejected
 from seamark.server.runs.record import run_notes
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.submission import assigned, quota, submission, sweeps, validation
@@ -51,14 +59,19 @@ def create(name: str) -> ResponseReturnValue:
     posted = body_limits.form_fields()
     values = form_fields.read(benchmark.schema(), posted)
     program: StoredProgram | None = None
+    vehicle: StoredVehicle | None = None
     errors: dict[str, str] = {}
     status = 422
     try:
         if posted.get("controller") == UPLOAD:
             program, errors = _program(benchmark, posted)
-        address = _start(_submission(benchmark, values, posted, program), posted)
+        vehicle = submitted_vehicle.save(values, posted)
+        values |= {} if vehicle is None else {vehicles.FIELD: vehicle.name}
+        address = _start(_submission(benchmark, values, posted, program, vehicle), posted)
     except ConfigurationInvalid as refusal:
         errors = refusal.errors | errors
+    except VehicleRejected as refusal:
+        errors = {vehicles.FIELD: str(refusal)} | errors
     except SubmissionRejected as refusal:
         errors = errors or {refusal.field: str(refusal)}
     except QuotaExceeded as refusal:
@@ -66,7 +79,7 @@ def create(name: str) -> ResponseReturnValue:
     except StorageUnavailable as refusal:
         status, errors = 503, {"": str(refusal)}
     if errors:
-        shown = Prefill(values=values, posted=posted, program=program)
+        shown = Prefill(values=values, posted=posted, program=program, vehicle=vehicle)
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(address, code=303)
@@ -101,6 +114,7 @@ def _submission(
     values: dict[str, object],
     posted: dict[str, str],
     program: StoredProgram | None,
+    vehicle: StoredVehicle | None,
 ) -> Submission:
     """Return the submission in a posted form."""
     ranked = posted.get("kind") == RunKind.RANKED
@@ -112,6 +126,7 @@ def _submission(
         kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
         controller=posted.get("controller", ""),
         program=program,
+        vehicle=vehicle,
         seed=_whole(posted, "seed", "A seed"),
         trials=_whole(posted, "trials", "The number of trials"),
         title=posted.get("title", ""),
@@ -186,6 +201,7 @@ def _show(
         parameters=shown,
         sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
+        kept_vehicle=prefilled.vehicle and submitted_vehicle.token(prefilled.vehicle),
         archives=archives.SUFFIXES,
         file_names={name: starter.upload_name for name, starter in starters.items()},
         general=" ".join(general),

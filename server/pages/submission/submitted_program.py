@@ -34,7 +34,7 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
     QuotaExceeded, StorageUnavailable
         A quota is used up, or there is no room.
     """
-    validation.require_permission(g.viewer, uploads=True)
+    validation.require_permission(g.viewer, uploads="program")
     file = request.files.get("program")
     if file is not None and file.filename:  # without scripts, whichever source is selected
         return _save(benchmark, cast(BinaryIO, file.stream), file.filename)

@@ -116,6 +116,7 @@ class _Row:
     data_measured: bool
     data_deleted_at: float | None
     program_sha256: str | None
+    vehicle_sha256: str | None
 
 
 class Sweep:
@@ -210,7 +211,7 @@ class Sweep:
         """Record the size of runs that ended without their worker, or in an earlier version."""
         due = time.time() - MEASURED_AFTER_S
         sizes: dict[int, int] = {
-            row.id: self._size(row, of_objects) + self._program_size(row)
+            row.id: self._size(row, of_objects) + self._uploaded_size(row)
             for row in rows
             if not row.data_measured and row.finished_at is not None and row.finished_at < due
         }
@@ -226,8 +227,9 @@ class Sweep:
             return of_objects.get(row.id, 0)
         return RunFiles(self._settings.data, row.id).size()
 
-    def _program_size(self, row: _Row) -> int:
-        return 0 if row.program_sha256 is None else store.size(self._settings, row.program_sha256)
+    def _uploaded_size(self, row: _Row) -> int:
+        uploads = (row.program_sha256, row.vehicle_sha256)
+        return sum(store.size(self._settings, sha256) for sha256 in uploads if sha256 is not None)
 
 
 def _kept_attempt(row: _Row) -> int | None:

@@ -10,6 +10,7 @@ from seamark.sim.settings.configuration import Configuration
 
 # [B] of metrics.json and of its copy in the database: 6 KiB each in currents-v2, 2 in visibility-v2
 METRICS_BYTES_PER_LEVEL = 12 * 2**10
+MANIFEST_SHARE = 3  # [B] of manifest.json for a byte of a text: "\u00e9" for two
 _UNITS = ("bytes", "KiB", "MiB", "GiB", "TiB")
 
 
@@ -31,17 +32,22 @@ class RunSize:
         )
 
 
-def estimate(config: Configuration, *, trials: int, program_bytes: int | None) -> RunSize:
+def estimate(
+    config: Configuration, *, trials: int, program_bytes: int | None, vehicle_bytes: int = 0
+) -> RunSize:
     """Return what a run may record.
 
     Parameters
     ----------
     program_bytes
         Size of the uploaded program, which is stored with the run and may print; None without one.
+    vehicle_bytes
+        Size of the file of the user's own vehicle, which is stored, and again in the manifest.
     """
     rows, columns = config.telemetry_shape()
     per_trial = 8 * rows * columns + METRICS_BYTES_PER_LEVEL * len(config.level_values())
     own = 0 if program_bytes is None else program_bytes + HEAD_MAX + TAIL_MAX
+    own += vehicle_bytes * (1 + MANIFEST_SHARE)
     return RunSize(trials * rows, trials * per_trial + own)
 
 

@@ -8,6 +8,7 @@ import json
 import os
 import resource
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from seamark.formats.recording import Program, Recording
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.slow_readers import DeadlineOutput
+from seamark.sim.vehicles import own
+from seamark.sim.vehicles.reading import VehicleInvalid
 
 CPU_S = 900  # the largest run as MCAP, with its images, takes a third of it
 DATA_MIB = 2048  # beyond this a format does not keep its promise; Arrow and OpenCV need 400
@@ -32,6 +35,9 @@ def main() -> None:
 
 
 def _recording(job: dict[str, Any], program: bytes) -> Recording:
+    if job["vehicle"] is not None:
+        with suppress(VehicleInvalid):  # most likely accepted by an older version
+            own.add(job["vehicle"].encode())
     files = RunFiles(Path(job["data"]), job["run"], job["attempt"])
     return Recording(
         title=job["title"],

@@ -46,6 +46,7 @@ class Job:
     manifest: dict[str, object] | None
     metrics: dict[str, object] | None
     program: str | None = None  # its name
+    vehicle: str | None = None  # file of the user's own
     extra_files: dict[str, str]
 
     def request(self, kind: Format, files: RunFiles) -> bytes:

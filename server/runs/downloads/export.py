@@ -110,6 +110,8 @@ def _write_run(
     if run.program_sha256 is not None and store.size(settings, run.program_sha256):
         name = Path(run.program_name or "program").name
         file.writestr(f"{folder}/program/{name}", store.read(settings, run.program_sha256))
+    if run.vehicle_sha256 is not None and store.size(settings, run.vehicle_sha256):
+        file.writestr(f"{folder}/vehicle.toml", store.read(settings, run.vehicle_sha256))
     yield
     if telemetry and files.telemetry_path.is_file():
         file.writestr(f"{folder}/columns.json", _json(files.columns))

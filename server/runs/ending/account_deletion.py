@@ -104,4 +104,6 @@ def _delete_rows(session: Session, user_id: int) -> None:
     session.execute(delete(Run).where(Run.id.in_(session.scalars(empty).all())))
     # SQLite would give its number to the next run, so the newest stays, as nobody's.
     kept = update(Run).where(_own(user_id), Run.id == newest)
-    session.execute(kept.values(owner="deleted", user_id=None, program_sha256=None))
+    session.execute(
+        kept.values(owner="deleted", user_id=None, program_sha256=None, vehicle_sha256=None)
+    )

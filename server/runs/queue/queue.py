@@ -41,6 +41,7 @@ class Claim(RunSpec):
     worker: str
     lease_s: float
     program_sha256: str | None
+    vehicle_sha256: str | None = None  # of a user's own
     user_id: int | None = None
     draw: int | None = None  # of fresh trials, if it verifies another run
     trial_seeds: tuple[int, ...] | None = None  # of a ranked run; None: not filled in yet

@@ -23,7 +23,6 @@ from seamark.server.runs.record.states import RunState
 from seamark.server.runs.record.turns import Priority
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.settings.configuration import ConfigurationInvalid
 
 SINGLE_RUNS_MAX = 100  # with more runs ahead, their mean duration is what matters
 
@@ -149,10 +148,10 @@ def _expected_s(session: Session, run: Run) -> float | None:
     """Return the wall time [s] that a run is expected to take, whether or not it has started."""
     if run.expected_s is not None:
         return run.expected_s
-    try:  # it was submitted before anything was measured
-        config = registry.benchmark(run.benchmark).read(parameters.split(run.config)[0])
-    except (ConfigurationInvalid, KeyError):  # most likely accepted by an older version
+    if run.benchmark not in registry.BENCHMARKS:  # most likely accepted by an older version
         return None
+    # It was submitted before anything was measured.
+    config = registry.benchmark(run.benchmark).restore(parameters.split(run.config)[0])
     return paces.expected_s(session, run, config.trial_duration_s())
 
 

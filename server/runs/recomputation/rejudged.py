@@ -32,7 +32,7 @@ _RUN = ("state", "cause", "detail", "progress", "t_simulated", "isolation")
 # Never changed after the submission, and all that an evaluation depends on.
 _SPECIFICATION = (
     *("benchmark", "kind", "config", "seed", "trials", "controller", "program_sha256"),
-    *("program_name", "language", "program_parameters"),
+    *("program_name", "language", "program_parameters", "vehicle_sha256"),
 )
 
 

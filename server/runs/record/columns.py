@@ -68,9 +68,12 @@ class PublicRun(RunSpec):
     anonymous: bool = False  # published for review: `user` is no name
     program_public: bool = True  # published with its program and log, not the results only
     licence: str | None = None  # SPDX identifier; None: none is granted here
-    data_bytes: int  # of its files and its program; an estimate from above until it has ended
+    data_bytes: (
+        int  # of its files and what was uploaded for it; an estimate from above until it has ended
+    )
     data_deleted_at: float | None  # telemetry, log and program are gone since then
     metrics: dict[str, Any] | None = None
     program_parameters: list[dict[str, Any]] | None = None  # as the program declares them
+    vehicle_sha256: str | None = None  # of the file of the user's own vehicle
     submission: str | None = None  # digest that the seeds of the fresh trials follow from
     not_ranked: str | None = None  # why it cannot be on the leaderboard, although it has a score

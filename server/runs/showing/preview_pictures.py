@@ -14,6 +14,7 @@ import numpy as np
 
 from seamark import templates
 from seamark.sandbox.printable_text import printable_text
+from seamark.server.programs import vehicles
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.leaderboard.leaderboard import Rank
 from seamark.server.runs.record.solutions import entry_name, solution
@@ -170,7 +171,8 @@ def _camera(settings: Settings, run: RunView) -> camera_view.Image | None:
 def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple[Line, Line]]]:
     """Return the title of the first chart of the first run, and its lines in the first trial."""
     benchmark = registry.benchmark(runs[0].benchmark)
-    chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
+    with vehicles.lent_to(settings, runs[0]):
+        chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
     lines = []
     for run in runs:
         files = stored_files.of_run(settings, run)

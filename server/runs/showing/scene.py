@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.formats.jpeg import jpeg
+from seamark.server.programs import vehicles
 from seamark.server.runs.showing import camera_view
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles import Vehicle, is_known, load
 from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.model import Place
 from seamark.sim.vehicles.solids import Solid
@@ -33,7 +34,10 @@ def has_level(run: RunView, trial: int, level: int) -> bool:
 
 
 def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dict[str, Any]:
-    """Return vehicle (null if the camera moves alone), target, camera and water of a level."""
+    """Return vehicle, target, camera and water of a level.
+
+    The vehicle is null if the camera moves alone, or if it was the user's own and is deleted.
+    """
     config: Any = registry.benchmark(run.benchmark).restore(run.config)
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         target, optics, water = camera.target, camera.optics, camera.water
@@ -41,8 +45,11 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
+    with vehicles.lent_to(settings, run):
+        known = load(str(name)) if is_known(name) else None
+        shape = None if known is None else vehicle_shape(known, config.chosen_arm())
     return {
-        "vehicle": None if name is None else vehicle_shape(load(name), config.chosen_arm()),
+        "vehicle": shape,
         "target": {
             "centre": target.origin().tolist(),
             "size": target.size_m,

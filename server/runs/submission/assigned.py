@@ -9,6 +9,7 @@ from seamark.programs.setting_values import label_of, text_of
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
+from seamark.server.programs import vehicles
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.submission.validation import Submission, SubmissionRejected
 from seamark.sim import registry
@@ -26,6 +27,10 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
     ConfigurationInvalid
         A setting of the scenario has an invalid value.
     """
+    if sent.vehicle is not None:
+        raise SubmissionRejected(
+            "An assignment fixes the vehicle. Leave yours out.", field=vehicles.FIELD
+        )
     try:
         assignment = assignments.open_for(session, assignment_id, sent.viewer.user_id)
     except ClassRefused as refusal:

@@ -21,8 +21,9 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import after_commit
 from seamark.server.database.tables import Run
 from seamark.server.messaging import workers
-from seamark.server.programs import store
+from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.queue import paces
 from seamark.server.runs.record import anonymity, seeds, turns
 from seamark.server.runs.record.run_notes import clean_notes, clean_title
@@ -125,6 +126,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         kind=RunKind(old.kind),
         controller=old.controller,
         program=program_of(old, settings),
+        vehicle=vehicle_of(old, settings),
         seed=old.seed,
         trials=old.trials,
         title=old.title,
@@ -181,12 +183,30 @@ def program_of(run: Run, settings: Settings) -> StoredProgram | None:
     return StoredProgram(run.program_sha256, *names, size=size, parameters=declared)
 
 
+def vehicle_of(run: Run, settings: Settings) -> StoredVehicle | None:
+    """Return the own vehicle of a run, to be run again; None if it has one of ours.
+
+    Raises
+    ------
+    SubmissionRejected
+        It has been deleted.
+    """
+    try:
+        return vehicles.of_run(run, settings)
+    except FileNotFoundError:
+        raise SubmissionRejected(
+            "The vehicle of this run has been deleted.", field=vehicles.FIELD
+        ) from None
+
+
 def _row(valid: ValidSubmission) -> Run:
     submission, viewer, program = (
         valid.submission,
         valid.submission.viewer,
         valid.submission.program,
     )
+    config, vehicle = valid.whole.document(valid.config), submission.vehicle
+    own = vehicle is not None and config[vehicles.FIELD] == vehicle.name  # a sweep may have others
     ranked = submission.kind is RunKind.RANKED
     drawn = submission.seed if submission.seed is not None else secrets.randbelow(SEED_MAX + 1)
     return Run(
@@ -195,13 +215,14 @@ def _row(valid: ValidSubmission) -> Run:
         guest=None if viewer.user_id is not None else viewer.guest,
         benchmark=submission.benchmark,
         kind=submission.kind,
-        config=valid.whole.document(valid.config),
+        config=config,
         seed=None if ranked else drawn,
         trials=valid.trials,
         controller=submission.controller,
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,
         language=program.language if program else None,
+        vehicle_sha256=vehicle.sha256 if vehicle is not None and own else None,
         program_parameters=[one.to_json() for one in valid.whole.declared] or None,
         title=clean_title(submission.title),
         notes=clean_notes(submission.notes),

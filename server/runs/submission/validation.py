@@ -8,7 +8,9 @@ from seamark.programs.configurations import RunConfiguration
 from seamark.programs.parameters import Parameter
 from seamark.sandbox.languages import role_refusal
 from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.programs import vehicles
 from seamark.server.programs.store import StoredProgram
+from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.data import run_size
 from seamark.server.runs.data.run_size import RunSize
 from seamark.server.runs.record.states import RunKind
@@ -18,7 +20,11 @@ from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.settings.configuration import Configuration
+from seamark.sim.vehicles import own
 
+RANKED_VEHICLE = (
+    "A ranked run has the vehicle of its benchmark. Start a practice run for one of your own."
+)
 UPLOAD = "upload"  # the controller of a run whose program was uploaded
 
 
@@ -48,6 +54,7 @@ class Submission:
     kind: RunKind = RunKind.PRACTICE
     controller: str = UPLOAD
     program: StoredProgram | None = None
+    vehicle: StoredVehicle | None = None  # the user's own, practice only; `config` may name it
     seed: int | None = None  # practice only; None: drawn
     trials: int | None = None  # practice only; None: one
     title: str = ""
@@ -77,9 +84,16 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
     ------
     ConfigurationInvalid
         The configuration is wrong: a sentence for each setting.
-    SubmissionRejected
+    SubmissionRejected, VehicleRejected
         Another rule is broken.
     """
+    if submission.vehicle is not None:
+        _check_vehicle(submission)
+    with vehicles.lent(submission.vehicle):
+        return _validate(submission, settings)
+
+
+def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
     benchmark = find_benchmark(submission.benchmark)
     program = submission.program
     declared: tuple[Parameter, ...] = ()
@@ -87,9 +101,8 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
     whole = configurations.read(benchmark, submission.config, declared)
     config = whole.settings
-    require_permission(
-        submission.viewer, kind=submission.kind, uploads=submission.program is not None
-    )
+    uploads = "program" if program is not None else "vehicle" if submission.vehicle else ""
+    require_permission(submission.viewer, kind=submission.kind, uploads=uploads)
     if submission.kind is RunKind.RANKED:
         chosen = submission.controller
         config = ranked_scenario.apply(benchmark, submission.config, config, controller=chosen)
@@ -106,8 +119,12 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         check_language(benchmark, submission.program.language)
-    program_bytes = None if program is None else program.size
-    size = run_size.estimate(config, trials=trials, program_bytes=program_bytes)
+    size = run_size.estimate(
+        config,
+        trials=trials,
+        program_bytes=None if program is None else program.size,
+        vehicle_bytes=0 if submission.vehicle is None else len(submission.vehicle.content),
+    )
     refusal = size.refusal(settings.run_max_bytes)
     if refusal is not None and submission.kind is RunKind.PRACTICE:
         raise SubmissionRejected(refusal)
@@ -122,13 +139,16 @@ def find_benchmark(name: str) -> Benchmark:
 
 
 def require_permission(
-    viewer: Viewer, *, kind: RunKind = RunKind.PRACTICE, uploads: bool = False
+    viewer: Viewer, *, kind: RunKind = RunKind.PRACTICE, uploads: str = ""
 ) -> None:
-    """Raise SubmissionRejected if the viewer may not submit such a run."""
+    """Raise SubmissionRejected if the viewer may not submit such a run.
+
+    `uploads` is what is uploaded for it: "program" or "vehicle".
+    """
     if kind is RunKind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
         raise AccountNeeded("A ranked run needs an account: the leaderboard shows its name.")
     if uploads and not can(viewer, Action.UPLOAD):
-        raise AccountNeeded("Uploading a program needs an account.", field="program")
+        raise AccountNeeded(f"Uploading a {uploads} needs an account.", field=uploads)
     if not can(viewer, Action.SUBMIT):
         raise SignInNeeded("Sign in, or allow cookies: a guest's runs are found by a cookie.")
 
@@ -138,6 +158,15 @@ def check_language(benchmark: Benchmark, language: str) -> None:
     if refusal := role_refusal(language, benchmark.role):
         sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
         raise SubmissionRejected(sentence, field="program")
+
+
+def _check_vehicle(submission: Submission) -> None:
+    if submission.kind is RunKind.RANKED:
+        raise SubmissionRejected(RANKED_VEHICLE, field=own.SETTING)
+    if submission.connected:
+        raise SubmissionRejected(
+            "A connected program has one of the vehicles of Seamark.", field=own.SETTING
+        )
 
 
 def _ranked_trials(submission: Submission, benchmark: Benchmark) -> int:

@@ -235,6 +235,15 @@ export interface StartingPoint {
 }
 
 /** The form of a run, with its controls by name; groups of radio buttons have a value, too. */
+export interface VehicleReport {
+  name: string;
+  title: string;
+  errors: string[];
+  warnings: string[];
+  figures: string[];
+  defaults: Record<string, SettingValue>;
+}
+
 export type RunForm = HTMLFormElement & {
   elements: HTMLFormControlsCollection &
     Record<string, HTMLInputElement> & { language: HTMLSelectElement; program_text: HTMLTextAreaElement };

@@ -73,7 +73,7 @@ def test_a_file_of_a_vehicle_is_refused_with_where_it_can_be_used(
     document = problem_of(answer, 422, "invalid-configuration")
     (error,) = document["errors"]
     assert error["field"] == "vehicle"
-    assert "A vehicle of your own runs on your computer, not on a server" in error["detail"]
+    assert "A vehicle of your own is chosen by its file" in error["detail"]
 
 
 @pytest.mark.slow

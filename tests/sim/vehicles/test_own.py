@@ -1,6 +1,7 @@
 """A user's own vehicle: chosen by its file, named by its content, refused where it is unknown."""
 
 import hashlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.registry import BENCHMARKS, VEHICLES, benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.vehicles import load, own
+from seamark.sim.vehicles import added, is_known, load, own
 from seamark.sim.vehicles.reading import VehicleInvalid
 
 MINE = """
@@ -82,7 +83,7 @@ def test_a_vehicle_that_was_not_read_is_refused_with_what_is_possible(value: str
         benchmark("currents-v2").read({"vehicle": value})
 
     assert "must be one of both, girona500" in refused.value.errors["vehicle"]
-    assert "A vehicle of your own runs on your computer" in refused.value.errors["vehicle"]
+    assert "A vehicle of your own is chosen by its file" in refused.value.errors["vehicle"]
 
 
 def test_an_unknown_name_is_refused_without_that_hint() -> None:
@@ -121,3 +122,28 @@ def test_the_manifest_of_a_run_has_the_file_and_others_have_none(file: Path) -> 
     sha256 = hashlib.sha256(MINE.encode()).hexdigest()
     assert mine["vehicle_file"] == {"sha256": sha256, "text": MINE}
     assert "vehicle_file" not in ours
+
+
+def test_a_lent_vehicle_is_known_only_where_it_is_lent(file: Path) -> None:
+    content = file.read_text("utf-8").replace('"mine"', '"lent"').encode()
+    name = f"lent@{hashlib.sha256(content).hexdigest()[:16]}"
+    with ThreadPoolExecutor(1) as another, own.lending(content) as lent:
+        assert lent == name
+        assert load(name).title == "Mine"
+        assert benchmark("currents-v2").read({"vehicle": name})
+        assert not another.submit(is_known, name).result()
+
+    assert not is_known(name)
+    with pytest.raises(LookupError):
+        load(name)
+    with pytest.raises(ConfigurationInvalid):
+        benchmark("currents-v2").read({"vehicle": name})
+
+
+def test_lent_vehicles_do_not_fill_the_memory_of_a_process(file: Path) -> None:
+    for number in range(100):
+        with own.lending(MINE.replace('"Mine"', f'"Mine {number}"').encode()):
+            pass
+
+    assert own.usable.cache_info().currsize <= 16
+    assert not [name for name in added if name.startswith("mine@") and "Mine 9" in load(name).title]

@@ -15,7 +15,7 @@ const TIMEOUT_MS = 90_000;
  * @param {string} [text]
  * @returns {HTMLElementTagNameMap[K]}
  */
-function element(tag, className, text) {
+export function element(tag, className, text) {
   const created = document.createElement(tag);
   if (className) created.className = className;
   if (text) created.textContent = text;
@@ -42,10 +42,10 @@ export function programFile(form) {
 }
 
 /**
+ * Returns the document of an answer; raises what a problem says.
  * @param {Response} response
- * @returns {Promise<Check>}
  */
-async function readJson(response) {
+export async function readJson(response) {
   const body = await response.json();
   if (response.ok) return body;
   const details = [body.detail, ...(body.errors ?? []).map((/** @type {{detail: string}} */ error) => error.detail)];
@@ -63,6 +63,9 @@ async function requestCheck(form, benchmark, config, program) {
   body.set("run", JSON.stringify({ benchmark, config }));
   body.set("program", program);
   const headers = { "X-CSRFToken": form.elements.csrf_token.value, Accept: "application/json" };
+  const vehicle = form.elements.vehicle_file?.files?.[0];
+  if (vehicle) body.set("vehicle", vehicle);
+  /** @type {Check} */
   let check = await readJson(await fetch(URL_CHECKS, { method: "POST", body, headers }));
   const deadline = Date.now() + TIMEOUT_MS;
   while (check.state !== "done") {

@@ -58,6 +58,14 @@ function entriesOf(form) {
 }
 
 /**
+ * @param {HTMLSelectElement} select
+ * @param {string} value
+ */
+function hasOption(select, value) {
+  return [...select.options].some((option) => option.value === value);
+}
+
+/**
  * @param {HTMLFormElement} form
  * @param {Entry[]} entries
  */
@@ -66,7 +74,8 @@ function restoreEntries(form, entries) {
   for (const [name, value, checked] of entries) {
     if (checked === null) {
       const input = inputs.find((one) => one.name === name);
-      if (input) input.value = value;
+      const isGone = input instanceof HTMLSelectElement && !hasOption(input, value); // a vehicle's file
+      if (input && !isGone) input.value = value;
     } else {
       const input = inputs
         .filter(isCheckable)

@@ -9,6 +9,7 @@ import { startParameters } from "./parameters.js";
 import { Settings } from "./settings.js";
 import { startSweep, sweepRuns } from "./sweep.js";
 import { startUpload } from "./upload.js";
+import { startVehicle } from "./vehicle.js";
 
 const SENDING_MS = 4000; // for which a second click on the button is ignored
 
@@ -106,6 +107,7 @@ showKind();
 const editor = startEditor(form);
 startCheck(form, settings, editor);
 startUpload(form);
+startVehicle(form, settings);
 startSweep(form);
 startParameters(form, form.dataset.benchmark ?? "", programFile);
 showKind();

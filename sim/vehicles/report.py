@@ -1,4 +1,4 @@
-"""What `seamark vehicle check` says about a vehicle."""
+"""What a check of a vehicle says: on the command line and in the form of a run."""
 
 from __future__ import annotations
 
@@ -45,12 +45,17 @@ def lines(vehicle: Vehicle, errors: Sequence[str], warnings: Sequence[str]) -> I
     yield from (f"warning  {text}" for text in warnings)
     if not errors:
         yield ""
-        yield from _balance(vehicle)
-        yield ""
-        yield from _responses(vehicle)
-        yield from _spreads(vehicle)
+        yield from figure_lines(vehicle)
     yield ""
     yield f"{_counted(len(errors), 'error')}, {_counted(len(warnings), 'warning')}."
+
+
+def figure_lines(vehicle: Vehicle) -> Iterator[str]:
+    """Yield the lines about what follows from the numbers of a vehicle that can exist."""
+    yield from _balance(vehicle)
+    yield ""
+    yield from _responses(vehicle)
+    yield from _spreads(vehicle)
 
 
 def _balance(vehicle: Vehicle) -> Iterator[str]:
