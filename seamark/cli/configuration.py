@@ -111,6 +111,15 @@ def with_vehicle(settings: Mapping[str, Any]) -> dict[str, Any]:
         raise UsageRefused(f"{path}: {reason.errors[0]}{rest}") from None
 
 
+def taken_vehicle(settings: Mapping[str, Any]) -> tuple[dict[str, Any], Path | None]:
+    """Return settings without the file of a user's own vehicle, and that file, to be uploaded."""
+    # As `seamark.sim.vehicles.own` has them, which the client alone does not have.
+    chosen = settings.get("vehicle")
+    if not isinstance(chosen, str) or not chosen.endswith(".toml"):
+        return dict(settings), None
+    return {name: value for name, value in settings.items() if name != "vehicle"}, Path(chosen)
+
+
 def _read_file(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")

@@ -86,7 +86,8 @@ class AsyncClient:
         """Submit a run of the built-in `controller` or of the file `program`.
 
         `config` has settings by key; what is omitted has its default. With `kind="ranked"` the
-        benchmark fixes the scenario, the seeds and the number of trials.
+        benchmark fixes the scenario, the seeds and the number of trials. `vehicle` is the file of
+        a vehicle of your own, for practice runs.
 
         Raises
         ------

@@ -115,6 +115,10 @@ class AsyncRun(RunView):
         """Return the uploaded program; raises NotFound if there is none."""
         return await self._session.do(self._calls.data(self.id, "program"))
 
+    async def vehicle(self) -> bytes:
+        """Return the file of the run's own vehicle; raises NotFound if it has another one."""
+        return await self._session.do(self._calls.data(self.id, "vehicle.toml"))
+
     async def publish(
         self,
         method: str = "",

@@ -39,6 +39,7 @@ RUN_KEYS = (
     "failure",
     "links",
 )
+_FILES = ("program", "vehicle")  # of a submission
 FIRST_ANSWER_S = 4.0  # of pauses until an address that has never answered is given up
 SWEEP_KEYS = ("id", "live", "best", "cells", "links")
 
@@ -197,15 +198,13 @@ class Calls:
         needs: Sequence[str],
         **more: object,
     ) -> Call[Any]:
-        """Post a run or a sweep: of a built-in solution, or with a program."""
+        """Post a run or a sweep: of a built-in solution, or with files."""
         sent = {name: value for name, value in options.items() if value is not None}
-        program = sent.pop("program", None)
+        files = {name: Path(str(sent.pop(name))) for name in _FILES if name in sent}
         body = sent | {"benchmark": benchmark} | more
-        if program is None:
-            content: dict[str, Any] = {"json": body}
-        else:
-            file = Path(cast("str | Path", program))
-            parts = {"program": (file.name, file.read_bytes())}
+        content: dict[str, Any] = {"json": body}
+        if files:
+            parts = {name: (file.name, file.read_bytes()) for name, file in files.items()}
             content = {"data": {"run": json.dumps(body)}, "files": parts}
         # The server starts one run for a key, so that a request without an answer can be repeated.
         headers = {"Idempotency-Key": secrets.token_hex(16)} if self._signed_in else {}

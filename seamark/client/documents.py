@@ -19,6 +19,7 @@ class SubmissionOptions(TypedDict, total=False):
 
     controller: str | None
     program: str | Path | None
+    vehicle: str | Path | None
     config: Mapping[str, object] | None
     kind: Kind
     seed: int | None

@@ -113,6 +113,10 @@ class Run(RunView):
         """Return the uploaded program; raises NotFound if there is none."""
         return self._session.do(self._calls.data(self.id, "program"))
 
+    def vehicle(self) -> bytes:
+        """Return the file of the run's own vehicle; raises NotFound if it has another one."""
+        return self._session.do(self._calls.data(self.id, "vehicle.toml"))
+
     def publish(
         self,
         method: str = "",

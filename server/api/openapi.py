@@ -87,6 +87,20 @@ _LOG_FORM: dict[str, Any] = {
         }
     }
 }
+_VEHICLE: dict[str, Any] = {
+    "type": "string",
+    "format": "binary",
+    "description": "TOML file of a vehicle of your own, for practice runs; see docs/vehicles.md",
+}
+_VEHICLE_FORM: dict[str, Any] = {
+    "multipart/form-data": {
+        "schema": {
+            "type": "object",
+            "required": ["vehicle"],
+            "properties": {"vehicle": _VEHICLE},
+        }
+    }
+}
 _DESCRIPTION = """Everything on the web pages can also be done through this API.
 
 Authenticate with `Authorization: Bearer <token>` (account page, `POST /api/v1/tokens` or
@@ -148,9 +162,10 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
         schemas[model.__name__] = schema
     for (method, path), body in _JSON_BODIES.items():
         _add_body(paths, method, path, _as_json(body))
-    _add_body(paths, "post", "runs", _as_json(RunRequest) | _with_program(RunRequest))
-    _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_program(SweepRequest))
-    _add_body(paths, "post", "checks", _with_program(RunRequest))
+    _add_body(paths, "post", "runs", _as_json(RunRequest) | _with_files(RunRequest))
+    _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_files(SweepRequest))
+    _add_body(paths, "post", "checks", _with_files(RunRequest))
+    _add_body(paths, "post", "vehicles/check", _VEHICLE_FORM)
     _add_body(paths, "post", "logs", _LOG_FORM)
 
 
@@ -165,14 +180,14 @@ def _as_json(model: type[BaseModel]) -> dict[str, Any]:
     return {"application/json": {"schema": {"$ref": _REF.format(model=model.__name__)}}}
 
 
-def _with_program(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the multipart form of a run or sweep with its program."""
+def _with_files(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the multipart form of a run or sweep with its program and vehicle."""
     program = {"type": "string", "format": "binary", "description": "The program"}
     run = {"$ref": _REF.format(model=model.__name__)}
     form = {
         "type": "object",
         "required": ["run"],
-        "properties": {"run": run, "program": program},
+        "properties": {"run": run, "program": program, "vehicle": _VEHICLE},
     }
     encoding = {"run": {"contentType": "application/json"}}
     return {"multipart/form-data": {"schema": form, "encoding": encoding}}

@@ -81,17 +81,20 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
       seamark submit currents-v2 --controller my_controller.py --ranked --publish \\
         --method "Sliding mode with observer" --licence MIT --token $TOKEN
       seamark submit currents-v2 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
+      seamark submit currents-v2 --controller pi --set vehicle=my_rov.toml --token $TOKEN
     """
-    from seamark.cli.configuration import read_settings, typed_if_known
+    from seamark.cli.configuration import read_settings, taken_vehicle, typed_if_known
     from seamark.cli.server_answers import refusals_shown
     from seamark.cli.solutions import choose
     from seamark.client import Client
 
     name, program = choose(controller, benchmark)
+    settings, vehicle = taken_vehicle(read_settings(config, pairs))
     submission: SubmissionOptions = {
         "controller": name if program is None else None,
         "program": program,
-        "config": typed_if_known(benchmark, read_settings(config, pairs)),
+        "vehicle": vehicle,
+        "config": typed_if_known(benchmark, settings),
         "kind": "ranked" if ranked else "practice",
         "seed": seed,
         "trials": trials,
@@ -115,7 +118,10 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
             else:
                 run = client.submit(benchmark, **submission)
         except OSError as error:
-            raise UsageRefused(f"{program} cannot be read: {error.strerror}.") from None
+            file = error.filename or program
+            raise UsageRefused(f"{file} cannot be read: {error.strerror}.") from None
+        if vehicle is not None and not as_json:
+            click.echo(printable_text(f"The vehicle of {vehicle} is uploaded."))
         if axes:
             _finish_sweep(sweep, wait=wait, as_json=as_json)
         else:

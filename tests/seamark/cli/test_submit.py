@@ -7,7 +7,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
-from tests.cast import Backend
+from seamark.client import Client
+from tests.cast import VEHICLE, Backend
 
 STILL = """class Controller:
     def __init__(self, config):
@@ -122,3 +123,39 @@ def test_the_result_is_printed_although_the_server_does_not_publish_it(
     assert refused.exit_code == 2
     assert "Score 50" in refused.stdout
     assert "is published under your name" in refused.stderr
+
+
+@pytest.mark.slow
+def test_a_vehicle_is_uploaded_with_the_run_and_the_answer_says_so(
+    address: str, token: str, tmp_path: Path
+) -> None:
+    mine = tmp_path / "my_rov.toml"
+    mine.write_text(VEHICLE, encoding="utf-8")
+    choice = ("--controller", "pi", "--set", f"vehicle={mine}", "--set", "kp=0.5")
+
+    told = submit(address, token, *choice)
+    document = json.loads(submit(address, token, *choice, "--json").stdout)
+
+    assert f"The vehicle of {mine} is uploaded." in told.output
+    assert document["config"]["vehicle"].startswith("mine@")
+    assert document["config"]["kp"] == 0.5
+    with Client(address, token) as client:
+        assert client.run(document["id"]).vehicle() == VEHICLE.encode()
+
+
+@pytest.mark.slow
+def test_a_vehicle_that_cannot_be_read_or_run_is_refused_with_its_error(
+    address: str, token: str, tmp_path: Path
+) -> None:
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(VEHICLE.replace("format = 1", "format = 3"), encoding="utf-8")
+    absent = tmp_path / "absent.toml"
+
+    answers = [
+        submit(address, token, "--controller", "pi", "--set", f"vehicle={file}")
+        for file in (wrong, absent)
+    ]
+
+    assert [answer.exit_code for answer in answers] == [2, 2]
+    assert "format must be 1" in answers[0].output
+    assert f"{absent} cannot be read: No such file or directory." in answers[1].output

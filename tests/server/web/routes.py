@@ -5,6 +5,7 @@ from typing import Any
 
 from seamark.formats.registry import FORMATS
 from seamark.server.web import own_wheel
+from tests.cast import VEHICLE
 from tests.server.web.callers import (
     Allows,
     administers,
@@ -37,6 +38,12 @@ SWEEP: dict[str, Any] = {
     "sweep": [{"name": "kp", "values": [0.2, 0.4]}],
 }
 UPLOAD: dict[str, Any] = {"json": {"benchmark": "currents-v1"}}
+VEHICLE_FILE: dict[str, Any] = {
+    "data": b'--x\r\nContent-Disposition: form-data; name="vehicle"; filename="my.toml"\r\n\r\n'
+    + VEHICLE.encode()
+    + b"\r\n--x--\r\n",
+    "content_type": "multipart/form-data; boundary=x",
+}
 MULTIPART: dict[str, Any] = {"data": {"log": ""}, "content_type": "multipart/form-data"}
 NEW_NAME = {"name": "someone", "password": "a long pass phrase"}
 WRONG = {"old": "not the password", "new": "a long pass phrase"}
@@ -309,6 +316,10 @@ ROUTES: dict[tuple[str, str], Entry] = {
     **_reading(*(f"/{kind.file}" for kind in FORMATS.values() if kind.converted)),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
     **_reading("/scene.json", "/texture.jpg", "/moments.json"),
+    ("GET", "/api/v1/runs/<int:run_id>/vehicle.toml"): Entry(
+        reads_run, path="/api/v1/runs/{run}/vehicle.toml", run="own vehicle"
+    ),
+    ("POST", "/api/v1/vehicles/check"): Entry(uploads, options=VEHICLE_FILE),
     ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),
     ("GET", "/compare/preview.jpg"): Entry(
         reads_run, path="/compare/preview.jpg?runs={run},{other}"

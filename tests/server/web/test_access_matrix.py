@@ -117,6 +117,9 @@ class Objects:
         self._made.pop("queued run", None)
         if state == "queued":
             return self._site.queue("ann")
+        if state == "own vehicle":
+            vehicle = self._site.store_vehicle()
+            return self._site.recorded(vehicle=vehicle, config={"vehicle": vehicle.name})
         run_id = self._site.recorded()
         if state == "recorded":
             return run_id
