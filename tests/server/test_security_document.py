@@ -17,6 +17,7 @@ from seamark.server.pages.docs import search_index
 from seamark.server.programs import reader_process, source_differences
 from seamark.server.runs.downloads import conversion_process
 from seamark.server.web import body_limits, received_body
+from seamark.sim.vehicles import toml_reading
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/security.md").read_text()
@@ -82,6 +83,15 @@ def test_every_command_of_performance_that_it_names_is_there() -> None:
         (
             "programs: source",
             (f"{preparation.TEXT_MAX_BYTES >> 20} MiB", f"{reader_process.CPU_S} s"),
+        ),
+        (
+            "vehicles",
+            (
+                f"{toml_reading.BYTES_MAX >> 10} KiB",
+                f"{toml_reading.LINE_MAX:,} characters",
+                f"{toml_reading.VALUES_MAX:,} values",
+                f"{reader_process.CPU_S} s",
+            ),
         ),
         (
             "programs: what differs in two",

@@ -20,7 +20,6 @@ from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.settings.configuration import Configuration
-from seamark.sim.vehicles import own
 
 RANKED_VEHICLE = (
     "A ranked run has the vehicle of its benchmark. Start a practice run for one of your own."
@@ -87,8 +86,8 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
     SubmissionRejected, VehicleRejected
         Another rule is broken.
     """
-    if submission.vehicle is not None:
-        _check_vehicle(submission)
+    if submission.vehicle is not None and submission.kind is RunKind.RANKED:
+        raise SubmissionRejected(RANKED_VEHICLE, field=vehicles.FIELD)
     with vehicles.lent(submission.vehicle):
         return _validate(submission, settings)
 
@@ -158,15 +157,6 @@ def check_language(benchmark: Benchmark, language: str) -> None:
     if refusal := role_refusal(language, benchmark.role):
         sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
         raise SubmissionRejected(sentence, field="program")
-
-
-def _check_vehicle(submission: Submission) -> None:
-    if submission.kind is RunKind.RANKED:
-        raise SubmissionRejected(RANKED_VEHICLE, field=own.SETTING)
-    if submission.connected:
-        raise SubmissionRejected(
-            "A connected program has one of the vehicles of Seamark.", field=own.SETTING
-        )
 
 
 def _ranked_trials(submission: Submission, benchmark: Benchmark) -> int:

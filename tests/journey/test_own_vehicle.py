@@ -1,0 +1,70 @@
+"""A vehicle of one's own, from its file to the view of the run."""
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.cast import VEHICLE
+from tests.journey.visitor import Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+UNFOLD = "for (const part of document.querySelectorAll('.submit-form details')) part.open = true"
+
+
+def number_of(page: Page) -> int:
+    """Return the number of the run whose page is open."""
+    found = re.search(r"/runs/(\d+)", page.url)
+    assert found is not None
+    return int(found[1])
+
+
+def test_a_vehicle_is_checked_run_drawn_and_run_again(visitor: Visitor, tmp_path: Path) -> None:
+    wrong, mine = tmp_path / "wrong.toml", tmp_path / "mine.toml"
+    wrong.write_text(VEHICLE.replace("format = 1", "format = 3"), encoding="utf-8")
+    mine.write_text(VEHICLE, encoding="utf-8")
+    visitor.sign_up("builder")
+    page = visitor.page
+    visitor.open("/submit/currents-v1")
+    page.evaluate(UNFOLD)
+    file, report = page.get_by_label("Or your own"), page.locator("[data-vehicle-report]")
+
+    file.set_input_files(wrong)
+    expect(report).to_contain_text("This vehicle cannot run:")
+    expect(report).to_contain_text("format must be 1")
+    expect(page.get_by_label("Vehicle", exact=True)).to_have_value("girona500")
+
+    file.set_input_files(mine)
+    expect(report).to_contain_text("Mine can run.")
+    expect(report).to_contain_text("where a flat plate has 1.17")
+    report.get_by_text("What it can do").click()
+    expect(report.locator("pre")).to_contain_text("full thrust")
+    name = page.get_by_label("Vehicle", exact=True).input_value()
+    assert name.startswith("mine@")
+    expect(page.locator("#kp")).to_have_value("0.7")  # comes with it
+
+    page.locator("#level_duration_s").fill("4")
+    page.locator("#levels").fill("0, 0.2")
+    page.locator("#settle_s").fill("1")
+    page.get_by_role("button", name="Start run").click()
+    visitor.wait_for("succeeded")
+    expect(page.get_by_text(name).first).to_be_attached()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="vehicle.toml").click()
+    assert Path(download.value.path()).read_text("utf-8") == VEHICLE
+    run = number_of(page)
+    scene = page.request.get(f"{visitor.url}/api/v1/runs/{run}/scene.json").json()
+    assert (scene["vehicle"]["title"], len(scene["vehicle"]["thrusters"])) == ("Mine", 8)
+
+    visitor.open(f"/submit/currents-v1?from={run}")
+    expect(page.get_by_label("Vehicle", exact=True)).to_have_value(name)
+    page.get_by_role("button", name="Start run").click()
+    visitor.wait_for("succeeded")
+    again = number_of(page)
+    digests = [
+        page.request.get(f"{visitor.url}/api/v1/runs/{one}").json()["result"]["digest"]
+        for one in (run, again)
+    ]
+    assert digests[0] == digests[1]
+    assert (visitor.errors, visitor.violations()) == ([], [])
