@@ -145,8 +145,9 @@ class ProgramReader:
 def _start() -> "subprocess.Popen[bytes]":
     """Start a process that reads one upload; it ends with this one, whose pipe it reads."""
     pipe = subprocess.PIPE
-    # No environment: it needs no secret of the service.
-    return subprocess.Popen(_COMMAND, stdin=pipe, stdout=pipe, stderr=pipe, env={})
+    # It needs no secret of the service, and no memory for threads of NumPy on each core.
+    environment = {"OPENBLAS_NUM_THREADS": "1"}
+    return subprocess.Popen(_COMMAND, stdin=pipe, stdout=pipe, stderr=pipe, env=environment)
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:

@@ -32,6 +32,7 @@ from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 _DIGITS_MAX = 18
 page = Blueprint("submit", __name__, url_prefix="/submit")
@@ -201,6 +202,7 @@ def _show(
         parameters=shown,
         sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
+        vehicle_max=VEHICLE_MAX_BYTES,
         kept_vehicle=prefilled.vehicle and submitted_vehicle.token(prefilled.vehicle),
         archives=archives.SUFFIXES,
         file_names={name: starter.upload_name for name, starter in starters.items()},

@@ -9,12 +9,15 @@ from contextlib import closing
 
 import pytest
 
+from seamark.server.database.tables import Run
 from seamark.server.programs import check_queue, store, vehicles
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.programs.vehicles import VehicleRejected
 from seamark.server.runs.data import retention, run_size
 from seamark.server.runs.downloads import export
 from seamark.server.runs.ending import deletion
+from seamark.server.runs.recomputation import rejudged
+from seamark.server.runs.record import turns
 from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.sim.vehicles import is_known, own
 from seamark.sim.vehicles.reading import HULL_MAX, SOLIDS_MAX, THRUSTERS_MAX
@@ -82,6 +85,19 @@ def test_a_run_whose_vehicle_was_deleted_is_not_run_again(backend: Backend) -> N
 
     with pytest.raises(SubmissionRejected, match="The vehicle of this run has been deleted"):
         backend.rerun(run_id)
+
+
+def test_a_run_is_computed_again_with_its_vehicle(backend: Backend) -> None:
+    run_id = backend.queue_vehicle()
+    assert backend.finish(backend.claim_next())
+    with backend.database.writing() as session:
+        original = session.get_one(Run, run_id)
+        rejudged.enqueue(session, original, rejudged.owner_of(1), backend.settings)
+        turns.refresh(session, rejudged.owner_of(1))
+
+    claim = backend.claim_next()
+
+    assert (claim.config["vehicle"], claim.vehicle_sha256) == (NAME, SHA256)
 
 
 def test_the_space_of_a_vehicle_counts_for_its_run(backend: Backend) -> None:

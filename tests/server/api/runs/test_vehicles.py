@@ -1,14 +1,22 @@
 """Vehicles of users in the API: checked, sent with runs, sweeps and checks, downloaded."""
 
 import hashlib
+import io
 import json
+import zipfile
 from typing import Any
 
+import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from werkzeug.test import TestResponse
 
 from seamark.server.database.tables import Check, Run
+from seamark.server.pages.run.player_data import player_data
+from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.submission.validation import RANKED_VEHICLE
+from seamark.sim.recording.telemetry import COMMON_THRUSTERS, width_for
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 from tests.cast import PROGRAM, VEHICLE
 from tests.server.api.conftest import Site
@@ -236,3 +244,53 @@ def test_the_view_from_outside_draws_the_vehicle_of_the_run(site: Site) -> None:
 
     assert (scene["vehicle"]["name"], scene["vehicle"]["title"]) == ("mine", "Mine")
     assert len(scene["vehicle"]["thrusters"]) == 8
+
+
+FEW = VEHICLE.replace('extends = "bluerov2-heavy-v2"', 'extends = "girona500"')
+MANY = VEHICLE.replace("[defaults]\nkp = 0.7\n", "") + "".join(
+    f"""
+[[thrusters]]
+name = "t{at}"
+direction = {["[1.0, 0.0, 0.0]", "[0.0, 1.0, 0.0]", "[0.0, 0.0, 1.0]"][at % 3]}
+position = {{ value = [0.{at % 4}, 0.{at % 5}, 0.0], unit = "m", tag = "E", reason = "a guess" }}
+"""
+    for at in range(12)
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "count"), [(FEW, 5), (VEHICLE, 8), (MANY, 12)])
+def test_charts_and_formats_have_as_many_thrusters_as_the_vehicle(
+    site: Site, text: str, count: int
+) -> None:
+    run_id = row_of(site, sent(site, vehicle=text)).id
+    width = width_for(count)
+    RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((3, width)))
+    assert site.finish(site.claim_next())
+
+    with site.app.test_request_context():
+        data = player_data(site.show(run_id), RunFiles(site.settings.data, run_id, 1))
+    mcap = site.call("owner", "GET", f"{RUNS}/{run_id}/telemetry.mcap").data
+
+    charted = [name for chart in data["charts"] for name in chart["columns"]]
+    assert sum(name.startswith("thrust_") for name in charted) == min(count, COMMON_THRUSTERS)
+    messages = make_reader(
+        io.BytesIO(mcap), decoder_factories=[DecoderFactory()]
+    ).iter_decoded_messages(topics=["/vehicle/thrust"])
+    assert {len(message.data) for _, _, _, message in messages} == {count}
+
+
+@pytest.mark.slow
+def test_an_archive_is_what_a_rerun_needs(site: Site) -> None:
+    run_id = row_of(site, sent(site)).id
+    site.record(run_id, rows=40)
+    entry = {"sha256": hashlib.sha256(VEHICLE.encode()).hexdigest(), "text": VEHICLE}
+    assert site.finish(site.claim_next(), manifest={"vehicle_file": entry})
+
+    archive = site.call("owner", "GET", f"{RUNS}/{run_id}/archive.zip").data
+    manifest = site.call("owner", "GET", f"{RUNS}/{run_id}/manifest.json").get_json()
+
+    assert manifest["vehicle_file"] == entry
+    with zipfile.ZipFile(io.BytesIO(archive)) as file:
+        (name,) = (each for each in file.namelist() if each.endswith("manifest.json"))
+        assert json.loads(file.read(name))["vehicle_file"] == entry
