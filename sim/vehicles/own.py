@@ -8,8 +8,10 @@ process that serves many users adds none: it lends one for as long as it works o
 import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from seamark.sim.registry import VEHICLES
@@ -37,9 +39,13 @@ class OwnVehicle(NamedTuple):
 
     name: str
     vehicle: Vehicle
+    file: VehicleFile
 
 
 _FILES: dict[str, VehicleFile] = {}
+_LENT_FILES: ContextVar[Mapping[str, VehicleFile]] = ContextVar(
+    "_LENT_FILES", default=MappingProxyType({})
+)
 
 
 def add(content: bytes) -> str:
@@ -50,9 +56,8 @@ def add(content: bytes) -> str:
     VehicleInvalid
         Its file breaks a rule, has the name of one of ours, or no such body exists.
     """
-    name, vehicle = usable(content)
-    added[name] = vehicle
-    _FILES[name] = VehicleFile(hashlib.sha256(content).hexdigest(), content.decode("utf-8"))
+    name, vehicle, file = usable(content)
+    added[name], _FILES[name] = vehicle, file
     return name
 
 
@@ -65,12 +70,14 @@ def lending(content: bytes) -> Iterator[str]:
     VehicleInvalid
         As `add`.
     """
-    name, vehicle = usable(content)
+    name, vehicle, file = usable(content)
     before = lent.set({**lent.get(), name: vehicle})
+    files_before = _LENT_FILES.set({**_LENT_FILES.get(), name: file})
     try:
         yield name
     finally:
         lent.reset(before)
+        _LENT_FILES.reset(files_before)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -80,7 +87,8 @@ def usable(content: bytes) -> OwnVehicle:
     errors = [finding.text for finding in findings(vehicle) if finding.grade == "error"]
     if errors:
         raise VehicleInvalid(errors)
-    return OwnVehicle(name_of(vehicle, content), vehicle)
+    file = VehicleFile(hashlib.sha256(content).hexdigest(), content.decode("utf-8"))
+    return OwnVehicle(name_of(vehicle, content), vehicle, file)
 
 
 def read(content: bytes) -> Vehicle:
@@ -110,8 +118,10 @@ def is_own(name: object) -> bool:
 
 
 def file_of(name: object) -> VehicleFile | None:
-    """Return the file of a vehicle that was added; None for any other value."""
-    return _FILES.get(name) if isinstance(name, str) else None
+    """Return the file of a vehicle that was added or lent; None for any other value."""
+    if not isinstance(name, str):
+        return None
+    return _LENT_FILES.get().get(name) or _FILES.get(name)
 
 
 def resolved(settings: Mapping[str, object]) -> dict[str, object]:

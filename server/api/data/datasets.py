@@ -11,10 +11,12 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import DatasetQuery, RunPath
+from seamark.server.programs import vehicles
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.slow_readers import DownloadSlot, SlotTaken
 from seamark.server.runs.record.seeds import seeds_hidden, trial_seeds
 from seamark.server.runs.showing.views import RunView
+from seamark.server.settings import Settings
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -96,8 +98,15 @@ def _pieces(view: RunView, files: RunFiles, query: DatasetQuery) -> Generator[by
         selection=selection,
         program_sha256=view.program_sha256,
     )
-    return _each(pieces)
+    return _each(pieces, view, services().settings)
 
 
-def _each(pieces: Iterator[bytes]) -> Generator[bytes, None, None]:
-    yield from pieces
+def _each(
+    pieces: Iterator[bytes], view: RunView, settings: Settings
+) -> Generator[bytes, None, None]:
+    while True:
+        with vehicles.lent_to(settings, view):  # not across a yield, where others work
+            piece = next(pieces, None)
+        if piece is None:
+            return
+        yield piece

@@ -16,7 +16,7 @@ from seamark.server.database.tables import Check, Run
 from seamark.server.pages.run.player_data import player_data
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.submission.validation import RANKED_VEHICLE
-from seamark.sim.recording.telemetry import COMMON_THRUSTERS, width_for
+from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, width_for
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 from tests.cast import PROGRAM, VEHICLE
 from tests.server.api.conftest import Site
@@ -280,6 +280,13 @@ def test_charts_and_formats_have_as_many_thrusters_as_the_vehicle(
     assert {len(message.data) for _, _, _, message in messages} == {count}
 
 
+def manifest_in(archive: bytes) -> dict[str, Any]:
+    with zipfile.ZipFile(io.BytesIO(archive)) as file:
+        (name,) = (each for each in file.namelist() if each.endswith("manifest.json"))
+        document: dict[str, Any] = json.loads(file.read(name))
+    return document
+
+
 @pytest.mark.slow
 def test_an_archive_is_what_a_rerun_needs(site: Site) -> None:
     run_id = row_of(site, sent(site)).id
@@ -291,6 +298,23 @@ def test_an_archive_is_what_a_rerun_needs(site: Site) -> None:
     manifest = site.call("owner", "GET", f"{RUNS}/{run_id}/manifest.json").get_json()
 
     assert manifest["vehicle_file"] == entry
-    with zipfile.ZipFile(io.BytesIO(archive)) as file:
-        (name,) = (each for each in file.namelist() if each.endswith("manifest.json"))
-        assert json.loads(file.read(name))["vehicle_file"] == entry
+    assert manifest_in(archive)["vehicle_file"] == entry
+
+
+@pytest.mark.slow
+def test_images_of_a_run_show_the_arm_of_its_vehicle_and_data_sets_have_its_file(
+    site: Site,
+) -> None:
+    run_id = row_of(site, sent(site, config={"arm": "hook"})).id
+    rows = np.zeros((40, width_for(8, arm=True)))
+    rows[:, INDEX["t"]], rows[:, INDEX["z"]] = 0.05 * np.arange(40), 1.65
+    RunFiles(site.settings.data, run_id, 1).append_rows(rows)
+    entry = {"sha256": hashlib.sha256(VEHICLE.encode()).hexdigest(), "text": VEHICLE}
+
+    camera = site.call("owner", "GET", f"{RUNS}/{run_id}/camera.jpg?trial=0&t=1")
+    scene = site.call("owner", "GET", f"{RUNS}/{run_id}/scene.json").get_json()
+    dataset = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?trial=0&every=20").data
+
+    assert (camera.status_code, camera.content_type) == (200, "image/jpeg")
+    assert scene["vehicle"]["arm"] is not None
+    assert manifest_in(dataset)["vehicle_file"] == entry
