@@ -11,7 +11,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from seamark.formats.recording import FRAMES, Recording
-from seamark.formats.ros import frames, geometry, images, layout, motion, schemas
+from seamark.formats.ros import arm, frames, geometry, images, layout, motion, schemas
 from seamark.sim.recording.telemetry import INDEX, Rows
 
 PAUSE_NS = 1_000_000_000  # between two trials
@@ -69,11 +69,13 @@ class _Messages:
         self._names = [column.name for column in recording.columns]
         self._motion = motion.Motion(recording)
         self._pictures = images.pictures_of(recording)
+        self._arm = arm.arm_of(recording)
+        topics = TOPICS | (arm.TOPICS if self._arm else {})
         registered = {
             name: writer.register_msgdef(name, schemas.definition(name, recording.columns))
-            for name in sorted(set(TOPICS.values()))
+            for name in sorted(set(topics.values()))
         }
-        self._schemas = {topic: registered[name] for topic, name in TOPICS.items()}
+        self._schemas = {topic: registered[name] for topic, name in topics.items()}
         self._latch("/tf_static")
         self._count = 0
         self._trial = 0.0
@@ -102,6 +104,8 @@ class _Messages:
         self._write("/telemetry", header | dict(zip(self._names, row.tolist(), strict=True)))
         for topic, message in self._motion.messages(moved, stamp):
             self._write(topic, message)
+        for topic, message in self._arm.messages(row, stamp) if self._arm else ():
+            self._write(topic, message)
         if self._pictures is not None and self._count % self._pictures.every == 0:
             for topic, message in self._pictures.messages(np.ascontiguousarray(row), stamp):
                 self._write(topic, message)
@@ -109,7 +113,8 @@ class _Messages:
 
     def _static(self, row: Rows, stamp: geometry.Stamp) -> list[geometry.Message]:
         mount = [] if self._pictures is None else [self._pictures.mount(row, stamp)]
-        return [*motion.static_transforms(stamp), *mount]
+        parts = self._arm.static_transforms(stamp) if self._arm else []
+        return [*motion.static_transforms(stamp), *mount, *parts]
 
     def _time_of(self, row: Rows) -> int:
         """Return the time of a row in the file [ns]."""

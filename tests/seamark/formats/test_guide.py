@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from seamark.formats.registry import FORMATS
+from seamark.formats.ros import arm
 from seamark.formats.ros.mcap_file import TOPICS
 from seamark.sim.recording.telemetry import INDEX, Rows
 
@@ -66,4 +67,4 @@ def test_the_guide_names_all_formats_and_topics() -> None:
 
     assert {one.file for one in FORMATS.values()} <= set(re.findall(r"`([\w.]+)`", text))
     described = dict(re.findall(r"^\| `(/[\w/]+)` \| `([\w/]+)`", text, re.MULTILINE))
-    assert described == TOPICS
+    assert described == TOPICS | arm.TOPICS
