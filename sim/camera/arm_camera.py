@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera.bodies import Bodies, Placed
 from seamark.sim.camera.camera import Camera, Window
 from seamark.sim.camera.effects import Effects
-from seamark.sim.camera.link_camera import LinkCamera, downward
+from seamark.sim.camera.link_camera import LinkCamera, downward, lamp_beside
 from seamark.sim.camera.optics import VISIBILITY, Optics
 from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
@@ -62,6 +62,7 @@ class ArmCamera(Camera):
                 mount=assembly.camera,
                 seabed_m=target.seabed_m,
                 noise_seed=noise_seed ^ _OTHER_NOISE,
+                lamp=lamp_beside(downward(optics)),
                 effects=effects,
             )
 

@@ -35,12 +35,16 @@ def downward(optics: Optics) -> Frame:
     return Frame(VEHICLE, np.array(optics.mount_m), DOWNWARDS)
 
 
+def lamp_beside(camera: Frame) -> Frame:
+    """Return where the lamp of `Camera` is: towards the upper edge of the image."""
+    return Frame(camera.link, camera.point - LAMP_FORWARD_M * camera.turn[:, 2], camera.turn)
+
+
 class LinkCamera:
     """Renders what a camera on a link sees; an image is a pure function of `Placed` and the frame.
 
     The camera looks along the x axis of `mount`, image right is its y axis and image down its z
-    axis. The lamp of the effects shines along the x axis of `lamp`; without it, it is where that of
-    `Camera` is: beside the camera, towards the upper edge of the image.
+    axis. The lamp of the effects shines along the x axis of `lamp`, else beside the camera.
     """
 
     def __init__(
@@ -59,9 +63,6 @@ class LinkCamera:
         self.effects = effects or Effects()
         if self.effects.fish_per_min > 0:
             raise ValueError("fish swim before the target's camera only: fish_per_min must be 0")
-        beside = lamp or Frame(
-            mount.link, mount.point - LAMP_FORWARD_M * mount.turn[:, 2], mount.turn
-        )
         self._stage = Stage(
             scene=Scene(
                 intrinsics=optics.intrinsics(),
@@ -73,7 +74,7 @@ class LinkCamera:
             ),
             shapes=bodies.shapes,
             camera=self._mounted(mount),
-            lamp=self._mounted(beside),
+            lamp=self._mounted(lamp or lamp_beside(mount)),
         )
         self._grain = sensor_noise(water, noise_seed, optics.width)
         self._effects = effect_parameters(self.effects, self._grain.seed)

@@ -70,6 +70,21 @@ def test_the_camera_on_the_arm_sees_the_hand_move_and_the_bottom_near() -> None:
         assert 0.001 < (np.abs(home.astype(int) - other).max(axis=2) > 30).mean() < 0.3
 
 
+def test_the_lamp_of_the_vehicle_lights_what_the_camera_on_the_arm_sees() -> None:
+    ahead, aside = (np.array([turn, 0.4, 2.8, 0.0, 0.3]) for turn in (0.0, 2.5))
+
+    bright = []
+    for lamp, joints in ((0.0, ahead), (6.0, ahead), (6.0, aside)):
+        camera = replay(light_level=0.01, lamp=lamp).camera(0, 0)
+        assert isinstance(camera, ArmCamera)
+        image = camera.colour_on_arm(motion(z=3.0, joints=joints), 0)
+        assert image is not None
+        bright.append(image.mean())
+
+    assert bright[1] > bright[0] + 5.0
+    assert bright[2] > 1.2 * bright[1]  # it does not turn with the arm
+
+
 def test_a_run_tracks_the_target_with_an_arm_as_well_as_without() -> None:
     rows = run(Moving((0.0, 0.0, 0.0, 0.0)), tracker="esm")
 

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
@@ -315,6 +316,17 @@ def test_grey_image_is_the_green_channel_of_the_coloured_one(number: int) -> Non
     coloured = DISTURBED[number].colour(links, 3)
 
     assert np.array_equal(coloured[:, :, 1], DISTURBED[number].grey(links, 3))
+
+
+def test_cameras_in_several_threads_render_the_bytes_of_one() -> None:
+    def rendered(_: int) -> list[bytes]:
+        scene = camera(crowd(), Water.of_type("3C"), effects=EFFECTS["all"])
+        return [scene.grey(links, 4).tobytes() for links in SIGHTS.values()]
+
+    with ThreadPoolExecutor(3) as threads:
+        images = list(threads.map(rendered, range(3)))
+
+    assert images == [rendered(0)] * 3
 
 
 PROGRAM = """
