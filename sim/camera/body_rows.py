@@ -228,11 +228,13 @@ def _compose(
         for q in range(max(first - HALO, -WIDTH), min(end - HALO, width + WIDTH), WIDTH):
             own = load(marks, r + 1, q + HALO)
             inside = 0 <= r < height and 0 <= q < width
-            edges = False
             if inside:
                 change = _differences(marks, r + 1, q + HALO)
                 edges = horizontal_sum(change) > 0.0
-            if not edges and horizontal_sum(own) == 0.0:
+                bare = not edges and marks[r + 1, q + HALO] == 0.0
+            else:
+                bare = horizontal_sum(own) == 0.0
+            if bare:
                 continue
             x = ((f32x16(float(start + q)) + steps) - u0) * inverse_f
             arrived = arriving(
