@@ -4,6 +4,7 @@ import re
 from typing import Any
 
 from seamark.server.database.tables import User
+from seamark.server.programs.vehicles import StoredVehicle
 from tests.server.pages.conftest import Site
 
 SHORT = {"levels": [0.1, 0.3], "level_duration_s": 4.0, "settle_s": 1.0}
@@ -17,8 +18,10 @@ def _marked(site: Site) -> int:
     return site.succeeded("mark", kind="ranked", title="PI, default settings")
 
 
-def _practised(site: Site, who: str = "ann", **config: Any) -> int:
-    return site.succeeded(who, seed=7, config=SHORT | config)
+def _practised(
+    site: Site, who: str = "ann", *, sent: StoredVehicle | None = None, **config: Any
+) -> int:
+    return site.succeeded(who, seed=7, config=SHORT | config, vehicle=sent)
 
 
 def test_two_runs_are_shown_with_what_differs(site: Site) -> None:
@@ -30,6 +33,20 @@ def test_two_runs_are_shown_with_what_differs(site: Site) -> None:
     assert "Settings that differ" in page
     assert (">0.4<" in page, ">0.6<" in page) == (True, True)
     assert "in the same conditions" in page
+
+
+def test_runs_with_a_vehicle_of_ones_own_are_compared_by_all_of_its_thrusters(site: Site) -> None:
+    vehicle = site.store_vehicle()
+    own = [_practised(site, vehicle=vehicle.name, sent=vehicle) for _ in range(2)]
+    ours = _practised(site)
+    browser = site.browser("ann")
+
+    both = browser.get(f"/compare?runs={own[0]},{own[1]}").text
+    mixed = browser.get(f"/compare?runs={own[0]},{ours}").text
+
+    charted = [set(re.findall(r'"column": ?"(thrust_\d)"', page)) for page in (both, mixed)]
+    assert [len(names) for names in charted] == [8, 5]
+    assert (f">{vehicle.name}<" in mixed, ">Girona 500" in mixed) == (True, True)
 
 
 def test_the_boxes_of_a_list_lead_to_the_one_address_of_a_comparison(site: Site) -> None:
