@@ -18,6 +18,7 @@ from seamark.sim.vehicles.reading import VehicleInvalid
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 FIELD = own.SETTING  # part of a form with the file
+_SHOWN_MAX = 3  # errors at a field
 _MANIFEST_ENTRY = "vehicle_file"
 
 
@@ -27,6 +28,13 @@ class VehicleRejected(Exception):
     def __init__(self, *errors: str) -> None:
         super().__init__(" ".join(errors))
         self.errors = errors
+
+    @property
+    def shortened(self) -> str:
+        """The first errors, as much as is read at a field of a form."""
+        more = len(self.errors) - _SHOWN_MAX
+        rest = [f"{more} more: `seamark vehicle check` lists them."] if more > 0 else []
+        return " ".join([*self.errors[:_SHOWN_MAX], *rest])
 
 
 class VehicleTooLarge(VehicleRejected):

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.cast import VEHICLE
 from tests.journey.visitor import Visitor
@@ -20,29 +20,67 @@ def number_of(page: Page) -> int:
     return int(found[1])
 
 
-def test_a_vehicle_is_checked_run_drawn_and_run_again(visitor: Visitor, tmp_path: Path) -> None:
-    wrong, mine = tmp_path / "wrong.toml", tmp_path / "mine.toml"
-    wrong.write_text(VEHICLE.replace("format = 1", "format = 3"), encoding="utf-8")
-    mine.write_text(VEHICLE, encoding="utf-8")
-    visitor.sign_up("builder")
-    page = visitor.page
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    file = tmp_path / "mine.toml"
+    file.write_text(VEHICLE, encoding="utf-8")
+    return file
+
+
+@pytest.fixture
+def wrong(tmp_path: Path) -> Path:
+    file = tmp_path / "wrong.toml"
+    file.write_text(VEHICLE.replace("format = 1", "format = 3"), encoding="utf-8")
+    return file
+
+
+def form_of(visitor: Visitor, name: str) -> tuple[Locator, Locator, Locator]:
+    """Open the form of a run; return the field of the file, its report and the choice."""
+    visitor.sign_up(name)
     visitor.open("/submit/currents-v1")
+    page = visitor.page
     page.evaluate(UNFOLD)
-    file, report = page.get_by_label("Or your own"), page.locator("[data-vehicle-report]")
+    choice = page.get_by_label("Vehicle", exact=True)
+    return page.get_by_label("Or your own"), page.locator("[data-vehicle-report]"), choice
+
+
+def test_a_vehicle_is_checked_and_chosen_as_soon_as_its_file_is(
+    visitor: Visitor, mine: Path, wrong: Path
+) -> None:
+    file, report, choice = form_of(visitor, "checking")
 
     file.set_input_files(wrong)
     expect(report).to_contain_text("This vehicle cannot run:")
     expect(report).to_contain_text("format must be 1")
-    expect(page.get_by_label("Vehicle", exact=True)).to_have_value("girona500")
+    expect(choice).to_have_value("girona500")
 
     file.set_input_files(mine)
     expect(report).to_contain_text("Mine can run.")
     expect(report).to_contain_text("where a flat plate has 1.17")
+    expect(choice).to_have_value(re.compile("^mine@"))
+    expect(visitor.page.locator("#kp")).to_have_value("0.7")  # comes with it
     report.get_by_text("What it can do").click()
     expect(report.locator("pre")).to_contain_text("full thrust")
-    name = page.get_by_label("Vehicle", exact=True).input_value()
-    assert name.startswith("mine@")
-    expect(page.locator("#kp")).to_have_value("0.7")  # comes with it
+
+    file.set_input_files(wrong)
+    expect(report).to_contain_text("This vehicle cannot run:")
+    expect(choice).to_have_value("girona500")
+    expect(file).to_have_value(re.compile("wrong.toml"))
+
+    file.set_input_files(mine)
+    expect(report).to_contain_text("Mine can run.")
+    choice.select_option("bluerov2-heavy")
+    expect(report).to_be_empty()
+    expect(file).to_have_value("")  # another choice counts
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def test_a_vehicle_is_run_drawn_and_run_again(visitor: Visitor, mine: Path) -> None:
+    file, report, choice = form_of(visitor, "builder")
+    page = visitor.page
+    file.set_input_files(mine)
+    expect(report).to_contain_text("Mine can run.")
+    name = choice.input_value()
 
     page.locator("#level_duration_s").fill("4")
     page.locator("#levels").fill("0, 0.2")

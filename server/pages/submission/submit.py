@@ -72,7 +72,7 @@ def create(name: str) -> ResponseReturnValue:
     except ConfigurationInvalid as refusal:
         errors = refusal.errors | errors
     except VehicleRejected as refusal:
-        errors = {vehicles.FIELD: str(refusal)} | errors
+        errors = {vehicles.FIELD: refusal.shortened} | errors
     except SubmissionRejected as refusal:
         errors = errors or {refusal.field: str(refusal)}
     except QuotaExceeded as refusal:
@@ -80,7 +80,8 @@ def create(name: str) -> ResponseReturnValue:
     except StorageUnavailable as refusal:
         status, errors = 503, {"": str(refusal)}
     if errors:
-        shown = Prefill(values=values, posted=posted, program=program, vehicle=vehicle)
+        left = submitted_vehicle.without_lost(values, vehicle)
+        shown = Prefill(values=left, posted=posted, program=program, vehicle=vehicle)
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(address, code=303)

@@ -44,6 +44,12 @@ def save(values: Mapping[str, object], posted: Mapping[str, str]) -> StoredVehic
     return kept
 
 
+def without_lost(values: dict[str, object], vehicle: StoredVehicle | None) -> dict[str, object]:
+    """Return the settings to show again: without a vehicle of which there is no file."""
+    lost = vehicle is None and own.is_own(values.get(vehicles.FIELD))
+    return {name: one for name, one in values.items() if not (lost and name == vehicles.FIELD)}
+
+
 def token(vehicle: StoredVehicle) -> str:
     """Return the value of the hidden field for a stored vehicle."""
     return str(_signer().dumps([vehicle.name, vehicle.sha256, g.viewer.user_id]))

@@ -85,6 +85,7 @@ export function startVehicle(form, settings) {
       container.replaceChildren(reportBox(report));
       if (!report.errors.length) offer(report);
     } catch (error) {
+      if (input.files?.[0] !== file) return;
       const box = element("div", "notice bad");
       box.append(element("p", "", (error instanceof Error && error.message) || "The check failed."));
       container.replaceChildren(box);
@@ -93,11 +94,12 @@ export function startVehicle(form, settings) {
 
   form.addEventListener("change", (event) => {
     if (event.target !== input) return forgetUnlessChosen();
-    offered = "";
+    const before = offered;
+    offered = ""; // or else the choice would forget the new file
+    if (before) choose(select.dataset.default ?? "");
     container.replaceChildren();
     const file = input.files?.[0];
     if (file) check(file);
-    else choose(select.dataset.default ?? "");
   });
   form.addEventListener("click", forgetUnlessChosen); // presets and the reset
 }

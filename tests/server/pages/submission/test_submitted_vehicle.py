@@ -52,6 +52,14 @@ def test_a_file_that_is_wrong_is_explained_at_its_field(site: Site) -> None:
     assert 'name="kp" value="0.5"' in answer.text
 
 
+def test_many_errors_are_told_at_the_field_in_part(site: Site) -> None:
+    page = sent(site, text='format = 1\nname = "mine"', vehicle=NAME).text
+
+    assert " more: `seamark vehicle check` lists them." in error_in(page)
+    assert len(error_in(page)) < 400
+    assert NAME not in page  # which cannot be chosen without its file
+
+
 def test_a_vehicle_is_kept_when_another_field_is_invalid(site: Site) -> None:
     page = sent(site, kp="99").text
 
