@@ -4,8 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from playwright.sync_api import Locator, Page, expect
 
+from seamark.cli.main import cli
 from tests.cast import VEHICLE
 from tests.journey.visitor import Visitor
 
@@ -75,7 +77,7 @@ def test_a_vehicle_is_checked_and_chosen_as_soon_as_its_file_is(
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_a_vehicle_is_run_drawn_and_run_again(visitor: Visitor, mine: Path) -> None:
+def test_a_vehicle_is_run_drawn_and_run_again(visitor: Visitor, mine: Path, tmp_path: Path) -> None:
     file, report, choice = form_of(visitor, "builder")
     page = visitor.page
     file.set_input_files(mine)
@@ -94,6 +96,11 @@ def test_a_vehicle_is_run_drawn_and_run_again(visitor: Visitor, mine: Path) -> N
     run = number_of(page)
     scene = page.request.get(f"{visitor.url}/api/v1/runs/{run}/scene.json").json()
     assert (scene["vehicle"]["title"], len(scene["vehicle"]["thrusters"])) == ("Mine", 8)
+
+    archive = tmp_path / "run.zip"
+    archive.write_bytes(page.request.get(f"{visitor.url}/api/v1/runs/{run}/archive.zip").body())
+    here = CliRunner().invoke(cli, ["rerun", str(archive)])
+    assert here.exit_code == 0, here.output
 
     visitor.open(f"/submit/currents-v1?from={run}")
     expect(page.get_by_label("Vehicle", exact=True)).to_have_value(name)
