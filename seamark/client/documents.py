@@ -78,6 +78,7 @@ class RunDocument(TypedDict):
     data_deleted_at: float | None
     metrics: dict[str, Any] | None
     program_parameters: list[dict[str, Any]] | None
+    vehicle_sha256: str | None
     submission: str | None
     not_ranked: str | None
     result: dict[str, Any] | None
