@@ -20,9 +20,12 @@ from tests.sim.multibody.test_dynamics import (
     acceleration,
     in_vacuum,
     kinetic,
+    of_the_numbers,
     put,
     random_mechanism,
     rng,
+    run,
+    tumbling,
 )
 
 TITLE = "Vehicles with arms: dynamics"
@@ -32,6 +35,9 @@ STEPS_S = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4)
 FINEST_S = 6.25e-5
 WORKING_S = 2e-3
 COAST_S, SWING_S = 2.0, 5.0
+TUMBLING = (3.0, 10.0, 30.0)  # [rad/s]
+TUMBLING_S = np.arange(1.0, 61.0, 2.0)
+OFF_CENTRE = (0.1, 0.05, -0.02)  # [m] of the body's origin from its centre of mass
 STILL = Current(0.0)
 
 
@@ -50,7 +56,8 @@ def disagreement(seed: int, *, free: bool, speed: float) -> float:
     state = state_for(mechanism.model(STEP_S))
     q, rate = 0.5 * rng(100 + seed).standard_normal((2, len(state.v)))
     put(q, lagrangian, rate, state)
-    change = acceleration(mechanism, state, current)
+    v = state.v.copy()
+    change = of_the_numbers(acceleration(mechanism, state, current), v, free=free)
     expected = lagrangian.speed_changes(q, rate)
     return float(np.abs(change - expected).max() / np.abs(expected).max())
 
@@ -67,6 +74,17 @@ def drift(step_s: float) -> Drift:
     last = kinetic(mechanism, state, step_s)
     lost = np.abs(last[1] - first[1]).max() / np.abs(first[1]).max()
     return Drift(abs(last[0] / first[0] - 1.0), float(lost))
+
+
+def tumbled(rate: float) -> Array:
+    """Return the relative change of a free body's energy in vacuum at times `TUMBLING_S`."""
+    mechanism = tumbling(centre=OFF_CENTRE)
+    v = [0.5, -0.3, 0.2, 0.3 * rate, rate, 0.1 * rate]
+    energies = [
+        kinetic(mechanism, run(mechanism, WORKING_S, seconds, v), WORKING_S)[0]
+        for seconds in (0.0, *TUMBLING_S)
+    ]
+    return np.array(energies[1:]) / energies[0] - 1.0
 
 
 def swung(step_s: float) -> Array:
@@ -126,6 +144,18 @@ def _draw_drift(out: Path) -> Drift:
     return drifts[STEPS_S.index(WORKING_S)]
 
 
+def _draw_tumbling(out: Path) -> list[float]:
+    changes = [tumbled(rate) for rate in TUMBLING]
+    with figure(out) as axes:
+        for rate, change, colour in zip(TUMBLING, changes, COLOURS, strict=False):
+            label = f"{rate:g} rad/s"
+            axes.plot(TUMBLING_S, 100.0 * change, "o-", color=colour, label=label, markersize=3)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("change of energy [%]")
+        axes.legend()
+    return [float(np.abs(change).max()) for change in changes]
+
+
 def _draw_steps(out: Path) -> float:
     finest = swung(FINEST_S)
     errors = [1e3 * float(np.linalg.norm(swung(step_s) - finest)) for step_s in STEPS_S]
@@ -147,6 +177,7 @@ def section(_names: list[str], figures: Path) -> str:
     """Return the section's text."""
     worst = _draw_agreement(figures / "links-lagrange.png")
     lost = _draw_drift(figures / "links-conservation.png")
+    tumbling_changes = _draw_tumbling(figures / "links-tumbling.png")
     apart = _draw_steps(figures / "links-steps.png")
     return "\n\n".join(
         [
@@ -161,6 +192,14 @@ def section(_names: list[str], figures: Path) -> str:
             f"momentum by {100.0 * lost.momentum:.2f} % in {COAST_S:g} s with the step of "
             f"{1e3 * WORKING_S:g} ms. Both halve with the step: the method is of first order.",
             "![Change of energy and momentum over step size](figures/links-conservation.png)",
+            "A free body that tumbles in vacuum about a point beside its origin, for a minute with "
+            f"the step of {1e3 * WORKING_S:g} ms, has an energy that swings by up to "
+            + ", ".join(
+                f"{100.0 * change:.2g} % at {rate:g} rad/s"
+                for change, rate in zip(tumbling_changes, TUMBLING, strict=True)
+            )
+            + ". It does not grow.",
+            "![Change of a tumbling body's energy over time](figures/links-tumbling.png)",
             f"A vehicle that swings all joints of its arm in a current of {CURRENT:g} m/s is, "
             f"after {SWING_S:g} s, {apart:.2f} mm from where it is with steps of "
             f"{1e6 * FINEST_S:g} us.",

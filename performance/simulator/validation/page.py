@@ -22,6 +22,7 @@ from performance.simulator.validation import (
     summary,
     thrust_tests,
     touch,
+    touch_steps,
     vehicles,
     water_tests,
 )
@@ -51,7 +52,18 @@ PARTS = (
         "This part checks closed forms, an independent implementation, convergence, determinism "
         "and the published experiment, which was a simulation too, and whether the benchmarks "
         "measure what they should. Agreement here says nothing about real water.",
-        (analytic, convergence, independent, links, touch, determinism, facts, girona, blind),
+        (
+            analytic,
+            convergence,
+            independent,
+            links,
+            touch,
+            touch_steps,
+            determinism,
+            facts,
+            girona,
+            blind,
+        ),
     ),
     Part(
         "Parameters",

@@ -55,8 +55,8 @@ def pushed(share: float) -> tuple[float, float]:
     return float(gained), float(1e3 * (scene.state.q[0] - place))
 
 
-def lifted(weight_n: float) -> Lifted:
-    """Lift a box by the bar above it with a hook, and hold it."""
+def hook_below_bar(weight_n: float, *, step_s: float = STEP_S, iterations: int = 10) -> Scene:
+    """Return a box on the bottom, and a hook below the bar above it."""
     hook = Link(
         name="hook",
         joint="prismatic",
@@ -88,9 +88,15 @@ def lifted(weight_n: float) -> Lifted:
         shapes=shapes,
         pairs=[("box", "ground"), ("hook", "bar")],
     )
-    scene = Scene(mechanism)
+    scene = Scene(mechanism, step_s=step_s, iterations=iterations)
     scene.state.q[2] = GROUND.depth - 0.1
     scene.command.speed[:] = 0.1
+    return scene
+
+
+def lifted(weight_n: float) -> Lifted:
+    """Lift a box by the bar above it with a hook, and hold it."""
+    scene = hook_below_bar(weight_n)
     scene.run(1500)
     scene.command.speed[:] = 0.0
     scene.run(2500)
@@ -177,7 +183,8 @@ def _draw_iterations(out: Path) -> tuple[float, float]:
         axes.axvline(WORKING, color="0.7", label="iterations of runs")
         axes.set_xticks(ITERATIONS, [f"{count}" for count in ITERATIONS], minor=False)
         axes.set_xticks([], minor=True)
-        axes.set_yticks([2.0, 5.0, 10.0, 20.0], ["2", "5", "10", "20"], minor=False)
+        ticks = (0.1, 0.2, 0.5, 1.0, 2.0)
+        axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks], minor=False)
         axes.set_yticks([], minor=True)
         axes.set_xlabel("iterations of the solver")
         axes.set_ylabel("largest error of a jaw's angle [mrad]")

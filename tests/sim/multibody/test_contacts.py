@@ -54,10 +54,17 @@ def ground() -> Shape:
 class Scene:
     """A mechanism that moves."""
 
-    def __init__(self, mechanism: Mechanism, *, iterations: int = 10, water: Water = STILL) -> None:
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        *,
+        iterations: int = 10,
+        water: Water = STILL,
+        step_s: float = STEP_S,
+    ) -> None:
         self.mechanism = mechanism
-        self.timing = Timing(STEP_S, iterations)
-        self.model: Model = mechanism.model(STEP_S)
+        self.timing = Timing(step_s, iterations)
+        self.model: Model = mechanism.model(step_s)
         self.state: State = state_for(self.model)
         self.work: Work = work_for(self.model)
         self.command: Command = command_for(self.model)
@@ -211,7 +218,7 @@ def test_a_bar_that_is_too_heavy_for_the_grip_slips() -> None:
     assert scene.state.q[2] - first > 0.1
 
 
-def valve(torque: float) -> Scene:
+def valve(torque: float, *, step_s: float = STEP_S, iterations: int = 10) -> Scene:
     """A valve that breaks away at 5 N m, and a slide that pushes its lever."""
     links = [
         Link(
@@ -240,7 +247,7 @@ def valve(torque: float) -> Scene:
         shapes=shapes,
         pairs=[("pusher", "lever")],
     )
-    scene = Scene(mechanism)
+    scene = Scene(mechanism, step_s=step_s, iterations=iterations)
     scene.command.speed[:] = 0.1
     return scene
 
@@ -390,8 +397,10 @@ def test_crossed_rods_do_not_sink_into_each_other(angle: float) -> None:
     assert scene.pair_forces()[0] == pytest.approx(5.0, rel=1e-3)
 
 
-def peg(offset: float, *, chamfer: float) -> float:
-    """How deep [m] a peg of 10 mm radius gets into a hole of 11 mm, beside its axis, in 4 s.
+def peg_before_hole(
+    offset: float, *, chamfer: float, step_s: float = STEP_S, iterations: int = 20
+) -> Scene:
+    """A peg of 10 mm radius before a hole of 11 mm, beside its axis.
 
     It is pushed along the axis with 2 N, may slide sideways, and does not turn.
     """
@@ -427,9 +436,15 @@ def peg(offset: float, *, chamfer: float) -> float:
     mechanism = Mechanism(
         links=links, motors=[Motor(link="peg", effort=2.0)], shapes=shapes, pairs=[("peg", "hole")]
     )
-    scene = Scene(mechanism, iterations=20)
+    scene = Scene(mechanism, step_s=step_s, iterations=iterations)
     scene.state.q[:] = offset, 0.1
     scene.command.speed[:] = 0.1
+    return scene
+
+
+def peg(offset: float, *, chamfer: float) -> float:
+    """How deep [m] that peg gets in 4 s."""
+    scene = peg_before_hole(offset, chamfer=chamfer)
     scene.run(2000)
     return float(scene.state.q[1] + 0.05 - 0.2)
 
