@@ -37,7 +37,7 @@ def lines(
     arm: Linkage, found: ArmFigures, errors: Sequence[str], warnings: Sequence[str]
 ) -> Iterator[str]:
     """Yield the lines of the report."""
-    yield f"{arm.title} ({arm.name}), {len(found.joints)} motors"
+    yield f"{arm.title} ({arm.name}), {_counted(len(found.joints), 'motor')}"
     yield from (f"error    {text}" for text in errors)
     yield from (f"warning  {text}" for text in warnings)
     yield ""

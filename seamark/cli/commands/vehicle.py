@@ -29,6 +29,7 @@ def vehicle() -> None:
       seamark vehicle check bluerov2-heavy-v2
       seamark vehicle check my_arm.toml --draw my_arm.svg
       seamark vehicle import my_rov.urdf -o my_rov.toml
+      seamark vehicle import my_arm.urdf -o my_arm.toml --arm
       seamark run currents-v2 --set vehicle=my_rov.toml
     """
 
@@ -76,8 +77,9 @@ def check(*, source: str, picture: Path | None, as_json: bool) -> None:
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.toml",
     required=True,
-    help="File for the vehicle; it must not exist.",
+    help="File for the vehicle or the arm; it must not exist.",
 )
+@click.option("--arm", is_flag=True, help="Write an arm's file: its joints, and all links.")
 @click.option(
     "--z-down",
     is_flag=True,
@@ -85,17 +87,22 @@ def check(*, source: str, picture: Path | None, as_json: bool) -> None:
     "Without it y is to port and z up, as ROS has it.",
 )
 @json_option
-def import_(*, urdf: Path, out: Path, z_down: bool, as_json: bool) -> None:
-    """Write a vehicle's file from a URDF, and list what it leaves out.
+def import_(*, urdf: Path, out: Path, arm: bool, z_down: bool, as_json: bool) -> None:
+    """Write a vehicle's or an arm's file from a URDF, and list what it leaves out.
 
     Masses, inertias, boxes, cylinders, spheres and colours of the base link and of the links fixed
-    to it are read. Meshes and other joints are left out. URDF knows neither water nor thrusters:
+    to it are read; with --arm all links, and joints with limits, efforts, speeds and friction.
+    Meshes are left out, and other joints of a vehicle. URDF knows neither water nor thrusters:
     their numbers are placeholders, tagged E, for you to replace.
     """
     from seamark.cli.output_folder import draft_of
     from seamark.sim.vehicles import load
-    from seamark.sim.vehicles.reading import VehicleInvalid, read_vehicle
-    from seamark.sim.vehicles.urdf_import import UrdfRefused, import_urdf
+    from seamark.sim.vehicles.fields import FileInvalid
+    from seamark.sim.vehicles.linkage_reading import read_linkage
+    from seamark.sim.vehicles.reading import read_vehicle
+    from seamark.sim.vehicles.urdf_arm_import import import_arm
+    from seamark.sim.vehicles.urdf_import import import_urdf
+    from seamark.sim.vehicles.urdf_tree import UrdfRefused
     from seamark.sim.vehicles.xml_reading import BYTES_MAX
 
     if out.exists():
@@ -103,9 +110,12 @@ def import_(*, urdf: Path, out: Path, z_down: bool, as_json: bool) -> None:
     with urdf.open("rb") as file:
         content = file.read(BYTES_MAX + 1)
     try:
-        imported = import_urdf(content, z_down=z_down)
-        read_vehicle(imported.text.encode(), base=load)
-    except (UrdfRefused, VehicleInvalid) as reason:
+        imported = (import_arm if arm else import_urdf)(content, z_down=z_down)
+        if arm:
+            read_linkage(imported.text.encode())
+        else:
+            read_vehicle(imported.text.encode(), base=load)
+    except (UrdfRefused, FileInvalid) as reason:
         raise UsageRefused(f"{urdf}: {reason}") from None
     with draft_of(out) as draft:
         draft.write(imported.text.encode())

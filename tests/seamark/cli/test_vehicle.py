@@ -81,6 +81,26 @@ def test_a_file_of_an_arm_is_checked_and_drawn(tmp_path: Path) -> None:
     assert ElementTree.parse(picture).getroot().tag.endswith("svg")  # noqa: S314  # our own text
 
 
+def test_the_urdf_of_an_arm_is_imported_and_can_be_checked(tmp_path: Path) -> None:
+    urdf, out = tmp_path / "arm.urdf", tmp_path / "arm.toml"
+    inertia = '<inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>'
+    urdf.write_text(
+        '<robot name="lifter"><link name="base"/><link name="lift"><inertial><mass value="1"/>'
+        f'{inertia}</inertial></link><joint name="j" type="revolute"><parent link="base"/>'
+        '<child link="lift"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="20" velocity="0.4"/></joint></robot>',
+        encoding="utf-8",
+    )
+
+    done = seamark("vehicle", "import", urdf, "-o", out, "--arm")
+    checked = seamark("vehicle", "check", out)
+
+    assert done.exit_code == 0, done.output
+    assert checked.exit_code == 0, checked.output
+    assert "lifter (lifter), 1 motor" in checked.stdout
+    assert "the arm can touch nothing" in checked.stdout
+
+
 def test_a_mistake_in_the_file_of_an_arm_is_a_sentence(tmp_path: Path) -> None:
     mine = tmp_path / "arm.toml"
     text = ARMS["hook"].read_text("utf-8")

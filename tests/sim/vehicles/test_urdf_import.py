@@ -10,7 +10,8 @@ from seamark.sim.vehicles import Vehicle, load
 from seamark.sim.vehicles.plausibility import findings
 from seamark.sim.vehicles.reading import read_vehicle
 from seamark.sim.vehicles.urdf import urdf_of
-from seamark.sim.vehicles.urdf_import import LINKS_MAX, UrdfRefused, import_urdf
+from seamark.sim.vehicles.urdf_import import import_urdf
+from seamark.sim.vehicles.urdf_tree import LINKS_MAX, UrdfRefused
 from seamark.sim.vehicles.xml_reading import BYTES_MAX, DEPTH_MAX, ELEMENTS_MAX
 
 QUICK_S = 5.0  # of CPU
