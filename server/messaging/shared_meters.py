@@ -34,8 +34,8 @@ class SharedMeters:
         self._process = secrets.token_hex(8)
         self._lock = threading.Lock()
 
-    def add(self) -> None:
-        """Add what was counted since the last time; while the broker is away, nothing."""
+    def add(self) -> bool:
+        """Add what was counted since the last time; False, and nothing, if the broker is away."""
         with self._lock:
             now = _counted_here()
             changes = {key: value - self._added.get(key, 0.0) for key, value in now.items()}
@@ -46,8 +46,9 @@ class SharedMeters:
                             pipeline.hincrbyfloat(COUNTED, json.dumps(key), change)
                     pipeline.execute()
             except RedisError:
-                return
+                return False
             self._added = now
+            return True
 
     def report(self, open_streams: int) -> None:
         """Say that this web process is there. Raises RedisError."""

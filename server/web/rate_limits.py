@@ -25,7 +25,7 @@ EXPORTS = "10 per hour"  # of all data of an account
 SUBMISSIONS = "30 per minute; 300 per hour"
 CHECKS = "20 per minute; 300 per hour"
 
-_BROKER_TIMEOUT_S = 5.0  # of a count; then each process counts in its own memory
+_BROKER_TIMEOUT_S = 2.0  # of a count; then each process counts in its own memory
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # the limiter adds it to every response
 
 limiter = Limiter(address, headers_enabled=True, in_memory_fallback_enabled=True)

@@ -61,17 +61,17 @@ class Services:
 
     def share_meters(self) -> None:
         """Add what this process has counted to what all have, and report that it is there."""
-        self.meters.add()
         with suppress(RedisError):
-            self.meters.report(self.streams.open_streams)
+            if self.meters.add():
+                self.meters.report(self.streams.open_streams)
 
     def close(self) -> None:
         """Stop threads and close connections."""
         self.reader.close()
         self.streams.close()
-        self.meters.add()
         with suppress(RedisError):
-            self.meters.leave()
+            if self.meters.add():  # else it would wait a second time for a broker that hangs
+                self.meters.leave()
         self.redis.close()
         self.celery.close()
         self.database.close()

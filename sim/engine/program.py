@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pkgutil import resolve_name
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from seamark.sim import registry
 from seamark.sim.control.observation import ArmSize, Observation
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.physics.plant import Plant
 from seamark.sim.settings.configuration import Configuration
+
+if TYPE_CHECKING:  # the service, which speaks of commands, does without Numba
+    from seamark.sim.physics.plant import Plant
 
 Command = tuple[float, ...]  # the vehicle's four, then the speeds of an arm's joints
 
@@ -50,7 +52,7 @@ class Controller(Protocol):
 class Oracle(Protocol):
     """A reference controller that sees the truth and commands the thrusters itself."""
 
-    def attach(self, plant: Plant, station: Array, point: tuple[float, float] | None) -> None:
+    def attach(self, plant: "Plant", station: Array, point: tuple[float, float] | None) -> None:
         """Take the plant of a level and the pose, (6,) [m, rad], to hold; before `reset`.
 
         `point`, (2,) [m] forward and starboard in the body, is the point that counts, if the
@@ -76,7 +78,7 @@ class CameraProgram(Protocol):
 class Autopilot(Protocol):
     """A `Program` that commands the thrusters itself, in place of the velocity controller."""
 
-    def thrusters(self, plant: Plant) -> Array:
+    def thrusters(self, plant: "Plant") -> Array:
         """Return the commands, (n,) in [-1, 1], until the next physics step."""
 
 

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.student_t import quantile
 
+if TYPE_CHECKING:  # each upload is read in a process of its own, which needs no NumPy
+    from seamark.sim.numerics.arrays import Array
+
 CONFIDENCE = 0.95
-Number = TypeVar("Number", float, Array)
+Number = TypeVar("Number", float, "Array")
 
 
 def mean(values: Sequence[float]) -> float:

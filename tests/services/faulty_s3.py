@@ -36,7 +36,7 @@ class FaultyS3:
         self._server = _Server(address, Handler)
         host, port = self._server.server_address[:2]
         self.endpoint = f"http://{host!s}:{port}"
-        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True).start()
 
     def behave(self, behaviour: Behaviour) -> None:
         """Answer like this from now on; who hangs until then loses the connection."""

@@ -15,7 +15,7 @@ def served(backend: Backend, *, threaded: bool = False) -> Iterator[str]:
     """Give the address of a service without a worker."""
     app = create_app(backend.settings)
     server = make_server("127.0.0.1", 0, app, threaded=threaded)
-    thread = Thread(target=server.serve_forever)
+    thread = Thread(target=server.serve_forever, args=(0.02,))
     thread.start()
     yield f"http://127.0.0.1:{server.server_port}"
     server.shutdown()

@@ -22,21 +22,6 @@ SHORT = {"levels": [0.1, 0.3], "level_duration_s": 6.0, "settle_s": 3.0}
 RunOf = Callable[[Mapping[str, Any]], tuple[TrialResult, Rows]]
 
 
-@pytest.fixture(scope="session")
-def oldest_processor(pytestconfig: pytest.Config) -> dict[str, str]:
-    """Variables by which Numba compiles for the oldest x86-64, and glibc fuses no operations.
-
-    What is compiled for it is kept, as that for this processor is, but apart from that.
-    """
-    assert pytestconfig.cache is not None
-    return {
-        "NUMBA_CPU_NAME": "generic",
-        "NUMBA_CPU_FEATURES": "",
-        "NUMBA_CACHE_DIR": str(pytestconfig.cache.mkdir("compiled-for-the-oldest-processor")),
-        "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA",
-    }
-
-
 @pytest.fixture
 def currents() -> Benchmark:
     return benchmark("currents-v1")

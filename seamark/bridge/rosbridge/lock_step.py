@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from seamark.bridge import failures
 from seamark.bridge.rosbridge.client import Client
-from seamark.bridge.rosbridge.protocol import Publish, Refused, read_reference
-from seamark.bridge.rosbridge.topics import NS, Moment
+from seamark.bridge.rosbridge.protocol import NS, Publish, Refused, read_reference
+from seamark.bridge.rosbridge.topics import Moment
 from seamark.sandbox.outcome import ProgramEnded
 from seamark.sim.engine.program import Command
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.lock_step import LockStep
 from seamark.bridge.rosbridge.navigation import DeadReckoning
+from seamark.bridge.rosbridge.protocol import NS
 from seamark.bridge.rosbridge.server import Server, TcpAddress, serve_until
-from seamark.bridge.rosbridge.topics import NS, Moment, Stamp
+from seamark.bridge.rosbridge.topics import Moment, Stamp
 from seamark.sim.camera.optics import Optics
 from seamark.sim.control.observation import Observation
 from seamark.sim.engine.program import Command

@@ -6,10 +6,10 @@ import orjson
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from seamark.bridge.rosbridge.axes import Axes
-from seamark.bridge.rosbridge.topics import NS
 from seamark.sandbox.languages.inside.wire import MAX_VALUE
 from seamark.sim.engine.program import Command
 
+NS = 1_000_000_000
 LONGEST_MESSAGE = 64 * 1024  # [B] no operation below is longer
 _LONGEST_NAME = 256
 Name = Annotated[str, Field(min_length=1, max_length=_LONGEST_NAME)]

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.navigation import DeadReckoning
+from seamark.bridge.rosbridge.protocol import NS
 from seamark.sim.camera.optics import Optics
 from seamark.sim.control.observation import Observation
 
 CAMERA = "camera"
-NS = 1_000_000_000
 _UNKNOWN = [0.0] * 36  # a covariance, as nav_msgs says
 Message = dict[str, Any]
 

@@ -42,7 +42,7 @@ class Answer(BaseHTTPRequestHandler):
 @contextmanager
 def serving(status: int, location: str = "") -> Iterator[Server]:
     with Server(status, location) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+        threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True).start()
         yield server
         server.shutdown()
 

@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
+
 SCENES = """
 import hashlib
 import numpy as np
@@ -67,20 +69,16 @@ def digest(variables: dict[str, str], code: str = SCENES) -> list[str]:
 
 
 @pytest.mark.slow
-def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor(
-    oldest_processor: dict[str, str],
-) -> None:
+def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
     here, again = digest({"PYTHONHASHSEED": "1"}), digest({"PYTHONHASHSEED": "2"})
 
-    assert here == again == digest(oldest_processor)
+    assert here == again == digest(OLDEST_PROCESSOR)
     assert int(here[1]) > 20
 
 
 @pytest.mark.slow
-def test_arms_and_things_are_the_same_mechanisms_on_the_oldest_processor(
-    oldest_processor: dict[str, str],
-) -> None:
+def test_arms_and_things_are_the_same_mechanisms_on_the_oldest_processor() -> None:
     here = digest({}, MODELS)
 
-    assert here == digest(oldest_processor, MODELS)
+    assert here == digest(OLDEST_PROCESSOR, MODELS)
     assert int(here[1]) >= 8

@@ -15,6 +15,7 @@ from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.physics.dynamics import Span, integrate, integration_buffers
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import load
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -138,9 +139,9 @@ def test_two_processes_give_the_same_bytes() -> None:
 
 
 @pytest.mark.slow
-def test_another_processor_gives_the_same_bytes(oldest_processor: dict[str, str]) -> None:
+def test_another_processor_gives_the_same_bytes() -> None:
     digests = []
-    for settings in ({}, oldest_processor):
+    for settings in ({}, OLDEST_PROCESSOR):
         done = subprocess.run(
             [sys.executable, "-c", RUN],
             capture_output=True,

@@ -13,6 +13,7 @@ from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS
 from seamark.sim.trackers import make, option_errors
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -208,17 +209,21 @@ print(digest.hexdigest(), track.ok)
 """
 
 
-@pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file of images in which the target is out of sight for a while, and its corners."""
+def draw(folder: Path) -> Path:
+    """Write images in which the target is out of sight for a while, and its corners."""
     camera = Camera(VISIBILITY, Water.grey(1.0), Target(), noise_seed=5)
     start = start_pose(VISIBILITY, Target(), 1.27)
     poses = start + np.arange(25)[:, None] * [0.004, -0.006, 0.002, 0.001, -0.001, 0.003]
     poses[12:14, 1] += 3.0
     images = [camera.grey(pose, k) for k, pose in enumerate(poses)]
-    path = tmp_path_factory.mktemp("drawn") / "images.npz"
+    path = folder / "images.npz"
     np.savez(path, images=np.stack(images), corners=camera.corners(start))
     return path
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return draw(tmp_path_factory.mktemp("drawn"))
 
 
 def _said(drawn: Path, **environment: str) -> str:
@@ -243,7 +248,5 @@ def test_two_processes_track_to_the_same_bits(drawn: Path, said: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_processor_without_wide_vectors_tracks_to_the_same_bits(
-    drawn: Path, said: str, oldest_processor: dict[str, str]
-) -> None:
-    assert _said(drawn, **oldest_processor) == said
+def test_a_processor_without_wide_vectors_tracks_to_the_same_bits(drawn: Path, said: str) -> None:
+    assert _said(drawn, **OLDEST_PROCESSOR) == said

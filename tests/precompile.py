@@ -1,0 +1,76 @@
+"""Compile before the tests, on all cores, what tests alone need compiled.
+
+    python -m tests.precompile
+
+`warm_up` of the simulator compiles what runs need. The rest is here: vehicles that move side by
+side, and what is compared with the oldest processor. Numba's cache has no lock, so several
+processes of tests would all compile the same functions.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from tests.sim.multibody import test_bits
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.physics import test_integration
+from tests.sim.trackers.template import test_template
+
+ENVIRONMENTS = """
+from seamark.gym.vector import StationKeepingVectorEnv
+
+truth = {"tracker": "truth"}
+for options in (
+    {"benchmark": "currents-v2", "settings": truth},
+    {"benchmark": "currents-v1", "settings": truth},
+    {"benchmark": "currents-v2", "settings": truth, "action": "thrusters"},
+    {"benchmark": "currents-v2"},
+):
+    env = StationKeepingVectorEnv(num_envs=2, **options)
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    env.close()
+"""
+
+MECHANISMS = """
+import numpy as np
+from seamark.sim.fleet.mechanisms import Mechanisms
+from seamark.sim.multibody.mechanism import state_for
+from tests.sim.fleet.test_mechanisms import GROUND, STEP_S, TIMING, current, vehicle_with_arm
+
+model = vehicle_with_arm().model(STEP_S)
+fleet = Mechanisms([model], [current(0)], GROUND, TIMING)
+fleet.place(0, state_for(model), step=0)
+fleet.advance(1, np.zeros((1, 8)), np.zeros((1, 5)))
+fleet.close()
+"""
+
+
+def main() -> None:
+    """Compile all parts, as many at a time as there are cores."""
+    with tempfile.TemporaryDirectory() as folder:
+        images = test_template.draw(Path(folder))
+        parts = (
+            partial(_run, ENVIRONMENTS, {}),
+            partial(_run, MECHANISMS, {}),
+            partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
+            partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
+            partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
+        )
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            for done in [pool.submit(part) for part in parts]:
+                done.result()
+
+
+def _run(program: str, variables: Mapping[str, str], *arguments: str) -> None:
+    command = [sys.executable, "-c", program, *arguments]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=os.environ | variables)
+
+
+if __name__ == "__main__":
+    main()
