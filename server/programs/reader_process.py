@@ -13,9 +13,6 @@ from typing import Any
 
 from seamark.programs.preparation import UploadRejected, prepare
 from seamark.sandbox.printable_text import printable_text
-from seamark.sim.vehicles import own, report
-from seamark.sim.vehicles.plausibility import findings
-from seamark.sim.vehicles.reading import VehicleInvalid
 
 CPU_S = 4  # parsing 512 KiB of ordinary Python takes 0.5 s, an archive of 8 MiB 0.3 s
 MEMORY_MIB = 512  # of address space; the tree of 512 KiB of Python takes up to 250 MiB
@@ -48,6 +45,11 @@ def _answer(source: bytes, filename: str, role: str) -> tuple[dict[str, Any], by
 
 def _vehicle(content: bytes) -> dict[str, Any]:
     """Return what is to be said of the file of a vehicle."""
+    # Here: only some uploads need NumPy, which takes half as long to load as all the rest.
+    from seamark.sim.vehicles import own, report  # noqa: PLC0415
+    from seamark.sim.vehicles.plausibility import findings  # noqa: PLC0415
+    from seamark.sim.vehicles.reading import VehicleInvalid  # noqa: PLC0415
+
     try:
         vehicle = own.read(content)
     except VehicleInvalid as invalid:
