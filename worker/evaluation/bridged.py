@@ -49,8 +49,10 @@ def evaluate_bridged(job: Job, listener: Listener, make_box: MakeBox) -> RunOutc
     )
     sentences = deque[str](maxlen=_SENTENCES_MAX)
     logging = _SentenceLog(listener, sentences)
-    with opened(LockStep(rules), job.bridge, say=sentences.append) as bridge:
-        program = _Attended(logging, bridge, optics)
+    arm = config.chosen_arm()
+    lock_step = LockStep(rules, joints=len(arm.motors()) if arm else 0)
+    with opened(lock_step, job.bridge, say=sentences.append) as bridge:
+        program = _Attended(logging, bridge, optics, arm)
         outcome = Evaluation(job, logging, make_box, connected=program).run()
         logging.log_sentences()
         bridge.publish_result(result_message(outcome))

@@ -87,7 +87,7 @@ class Client:
         """Send the messages of a moment, in the order of `TOPICS`; `only` that of one topic."""
         for name, topic in TOPICS.items():
             subscription = self._subscriptions.get(name)
-            wanted = only in (None, name) and (now.begins or not topic.at_levels)
+            wanted = only in (None, name) and topic.has_message(now)
             if subscription is not None and wanted and subscription.is_due(now.stamp.ns):
                 message = topic.message(now, Dialect(subscription.ros, self.axes))
                 await self.send({"op": "publish", "topic": subscription.name, "msg": message})

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 
 from seamark.bridge import failures
 from seamark.bridge.rosbridge.client import Client
-from seamark.bridge.rosbridge.protocol import NS, Publish, Refused, read_reference
+from seamark.bridge.rosbridge.protocol import (
+    NS,
+    Publish,
+    Refused,
+    read_joint_speeds,
+    read_reference,
+)
 from seamark.bridge.rosbridge.topics import Moment
 from seamark.sandbox.outcome import ProgramEnded
 from seamark.sim.engine.program import Command
@@ -36,8 +42,10 @@ class Rules:
 class LockStep:
     """Who controls the vehicle, and the answers of that client. Belongs to the event loop."""
 
-    def __init__(self, rules: Rules) -> None:
+    def __init__(self, rules: Rules, *, joints: int = 0) -> None:
+        """Set up; `joints` is how many motors the vehicle's arm has, which rest at first."""
         self._rules = rules
+        self._joint_speeds: Command = (0.0,) * joints
         self._controller: Client | None = None
         self._begun = False
         self._ended: ProgramEnded | None = None
@@ -110,6 +118,17 @@ class LockStep:
         else:
             self._answer.set_result(command)
 
+    def take_joint_speeds(self, client: Client, publication: Publish) -> None:
+        """Take the speeds of an arm's joints, which go with this reference and all later ones.
+
+        Raises
+        ------
+        Refused
+            They are none, or of another client than the one that controls the vehicle.
+        """
+        self.become_controller(client, publication.topic)
+        self._joint_speeds = read_joint_speeds(publication, len(self._joint_speeds))
+
     def _take_surplus(self, publication: Publish, *, stamped: bool) -> None:
         """Take a reference while none is awaited."""
         if self._rules.real_time:
@@ -133,11 +152,11 @@ class LockStep:
         if self._rules.real_time and self._begun:
             await self._next_tick(now)
             self._answer.cancel()
-            return self._latest
+            return self._latest + self._joint_speeds
         command = await self._answered(self._answer, now)
         self._begun = True
         self._next_tick_s = asyncio.get_running_loop().time() + now.seen.dt
-        return command
+        return command + self._joint_speeds
 
     async def _answered(self, answer: asyncio.Future[Command], now: Moment) -> Command:
         limit_s = self._rules.answer_s if self._begun else self._rules.first_answer_s

@@ -19,16 +19,19 @@ from seamark.bridge.rosbridge.protocol import NS
 from seamark.bridge.rosbridge.server import Server, TcpAddress, serve_until
 from seamark.bridge.rosbridge.topics import Moment, Stamp
 from seamark.sim.camera.optics import Optics
-from seamark.sim.control.observation import Observation
+from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command
+from seamark.sim.vehicles.linkage import Linkage
 
 
 class RosProgram:
     """A `seamark.sim.engine.program.Program` that looks through the camera, behind a bridge."""
 
-    def __init__(self, bridge: "Bridge", optics: Optics) -> None:
+    def __init__(self, bridge: "Bridge", optics: Optics, arm: Linkage | None = None) -> None:
         self._bridge = bridge
         self._optics = optics
+        self._motors = () if arm is None else arm.motors()
+        self._arm = None if arm is None else arm_size(arm)
         self._navigation = DeadReckoning()
         self._level: Mapping[str, float | int] = {}
         self._begins = False
@@ -45,7 +48,7 @@ class RosProgram:
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Publish an observation and return the reference that answers it; raises ProgramEnded."""
-        seen = Observation(values)
+        seen = Observation(values, self._arm)
         self._navigation.step(seen)
         now = Moment(
             step=round(seen.t / seen.dt),
@@ -55,6 +58,7 @@ class RosProgram:
             seen=seen,
             navigation=self._navigation,
             optics=self._optics,
+            motors=self._motors,
             image=cache(self._camera),
         )
         self._begins = False

@@ -6,7 +6,7 @@ import orjson
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from seamark.bridge.rosbridge.axes import Axes
-from seamark.sandbox.languages.inside.wire import MAX_VALUE
+from seamark.sandbox.languages.inside.wire import MAX_JOINTS, MAX_VALUE
 from seamark.sim.engine.program import Command
 
 NS = 1_000_000_000
@@ -193,6 +193,30 @@ def read_reference(publication: Publish, axes: Axes) -> tuple[Command, int | Non
     except ValidationError as error:
         text = f"{publication.topic}: {_sentence(error, message)}"
         raise Refused(text, reply_to=publication.id) from None
+
+
+class _Speeds(BaseModel):
+    data: Annotated[list[Value], Field(max_length=MAX_JOINTS)]
+
+
+def read_joint_speeds(publication: Publish, joints: int) -> Command:
+    """Return the speeds of so many joints [rad/s or m/s].
+
+    Raises
+    ------
+    Refused
+        They are others, or a number is not finite or too large.
+    """
+    try:
+        speeds = tuple(_Speeds.model_validate(publication.msg).data)
+    except ValidationError as error:
+        text = f"{publication.topic}: {_sentence(error, publication.msg)}"
+        raise Refused(text, reply_to=publication.id) from None
+    if len(speeds) != joints:
+        arm = f"The arm has {joints} joints with a motor" if joints else "The vehicle has no arm"
+        text = f"{publication.topic}: {arm}; data has {len(speeds)} numbers."
+        raise Refused(text, reply_to=publication.id)
+    return speeds
 
 
 def _check_frame(publication: Publish, frame: str, axes: Axes) -> None:

@@ -27,7 +27,17 @@ from seamark.bridge.rosbridge.protocol import (
     Unsubscribe,
     read,
 )
-from seamark.bridge.rosbridge.topics import REFERENCES, RESULT, TOPICS, Moment, Ros, Topic, resolved
+from seamark.bridge.rosbridge.topics import (
+    JOINT_SPEEDS,
+    JOINT_SPEEDS_TYPE,
+    REFERENCES,
+    RESULT,
+    TOPICS,
+    Moment,
+    Ros,
+    Topic,
+    resolved,
+)
 from seamark.sim.engine.program import Command
 
 MOST_CLIENTS = 8
@@ -87,7 +97,9 @@ class Server:
         match operation:
             case Publish():
                 _check_reference(operation.topic)
-                self._lock_step.take(client, operation)
+                of_arm = resolved(operation.topic) == JOINT_SPEEDS
+                take = self._lock_step.take_joint_speeds if of_arm else self._lock_step.take
+                take(client, operation)
             case Advertise():
                 _check_reference(operation.topic)
                 self._lock_step.become_controller(client, operation.topic)
@@ -124,7 +136,7 @@ class Server:
 
 
 def _check_reference(topic: str) -> None:
-    if resolved(topic) not in REFERENCES:
+    if resolved(topic) not in {*REFERENCES, JOINT_SPEEDS}:
         raise Refused(f"{topic}: publish on {' or '.join(REFERENCES)}.")
 
 
@@ -133,6 +145,7 @@ def _service_response(call: CallService) -> dict[str, Any]:
     types = {name: topic.type_in(Ros.ONE) for name, topic in TOPICS.items()}
     types |= {RESULT: RESULT_TOPIC.type_in(Ros.ONE)}
     types |= {name: f"geometry_msgs/{kind}" for name, kind in REFERENCES.items()}
+    types |= {JOINT_SPEEDS: f"std_msgs/{JOINT_SPEEDS_TYPE}"}
     given = call.args if isinstance(call.args, dict) else {}
     values: Any = {}
     match resolved(call.service):

@@ -22,7 +22,7 @@ from seamark.bridge.rosbridge.protocol import NS
 from seamark.sim.camera.optics import Optics
 from seamark.sim.control.observation import Observation
 
-CAMERA = "camera"
+CAMERA, FORCE_SENSOR = "camera", "force_sensor"
 _UNKNOWN = [0.0] * 36  # a covariance, as nav_msgs says
 Message = dict[str, Any]
 
@@ -66,6 +66,7 @@ class Moment:
     seen: Observation
     navigation: DeadReckoning
     optics: Optics
+    motors: tuple[str, ...]  # of the vehicle's arm
     image: Callable[[], NDArray[np.uint8]]  # (H, W, 3) blue, green, red
 
     def header(self, to: Dialect, frame: str) -> Message:
@@ -197,6 +198,30 @@ def _clock(now: Moment, to: Dialect) -> Message:
     return {"clock": now.stamp.of(to.ros)}
 
 
+def _joints(now: Moment, to: Dialect) -> Message:
+    seen = now.seen
+    return {
+        "header": now.header(to, to.axes.body),
+        "name": list(now.motors),
+        "position": seen.joints.tolist(),
+        "velocity": seen.joint_speeds.tolist(),
+        "effort": seen.joint_efforts.tolist(),
+    }
+
+
+def _wrench(now: Moment, to: Dialect) -> Message:
+    seen = now.seen
+    force, torque = _xyz(seen.wrist_force.tolist()), _xyz(seen.wrist_torque.tolist())
+    wrench = {"force": force, "torque": torque}
+    return {"header": now.header(to, FORCE_SENSOR), "wrench": wrench}
+
+
+def _touch(now: Moment, to: Dialect) -> Message:
+    values = now.seen.touch.tolist()
+    label = {"label": "part of the hand", "size": len(values), "stride": len(values)}
+    return {"layout": {"dim": [label], "data_offset": 0}, "data": values}
+
+
 @dataclass(frozen=True, slots=True)
 class Topic:
     """A topic that the bridge publishes."""
@@ -206,6 +231,11 @@ class Topic:
     meaning: str
     message: Callable[[Moment, Dialect], Message]
     at_levels: bool = False  # published only when a level begins
+    of_arm: bool = False  # published only if the vehicle has an arm
+
+    def has_message(self, now: Moment) -> bool:
+        """Return whether there is a message of a moment."""
+        return (now.begins or not self.at_levels) and (bool(now.motors) or not self.of_arm)
 
     def type_in(self, ros: Ros) -> str:
         """Return the name of the type."""
@@ -254,6 +284,27 @@ TOPICS: Mapping[str, Topic] = {
     "/seamark/thrust": Topic(
         "std_msgs", "Float64MultiArray", "last thrust of each thruster [N]", _thrust
     ),
+    "/seamark/joint_states": Topic(
+        "sensor_msgs",
+        "JointState",
+        "with an arm: coordinate, speed and effort of each joint with a motor",
+        _joints,
+        of_arm=True,
+    ),
+    "/seamark/wrench": Topic(
+        "geometry_msgs",
+        "WrenchStamped",
+        "with an arm: force and torque at its wrist, axes of the sensor",
+        _wrench,
+        of_arm=True,
+    ),
+    "/seamark/touch": Topic(
+        "std_msgs",
+        "Float64MultiArray",
+        "with an arm: 1 for each part of its hand that touches something, else 0",
+        _touch,
+        of_arm=True,
+    ),
     "/seamark/target_visible": Topic(
         "std_msgs", "Bool", "whether the tracker has the target", _visible
     ),
@@ -271,6 +322,9 @@ TOPICS: Mapping[str, Topic] = {
 RESULT = "/seamark/result"  # std_msgs/String, once at the end
 # What a program publishes its velocity reference on; both take both types.
 REFERENCES: Mapping[str, str] = {"/cmd_vel": "Twist", "/dataNavigator": "TwistStamped"}
+
+# What it publishes the speeds of an arm's joints on.
+JOINT_SPEEDS, JOINT_SPEEDS_TYPE = "/seamark/joint_velocity", "Float64MultiArray"
 
 
 def resolved(name: str) -> str:

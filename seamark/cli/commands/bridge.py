@@ -147,16 +147,18 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
         wanted |= {"axes": axes}
         finish(run_on_server(server, token, wanted, address, say), as_json=as_json)
     run = _local_run(benchmark, "rosbridge", pairs, config, trials=trials, seed=seed)
-    _target, optics = target_and_optics(_restored(run))
+    restored = _restored(run)
+    (_target, optics), arm = target_and_optics(restored), restored.chosen_arm()
     with ExitStack() as stack:
-        lock_step = LockStep(Rules(answer_s=answer_within, real_time=real_time))
+        rules = Rules(answer_s=answer_within, real_time=real_time)
+        lock_step = LockStep(rules, joints=len(arm.motors()) if arm else 0)
         try:
             behind = stack.enter_context(opened(lock_step, address, say=say, axes=spoken))
         except OSError as error:
             raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
         click.echo(f"Waiting for a program at {address.url(behind.port)}.", err=True)
         say(f"Velocity references are read in {spoken.meaning}. --axes {spoken.other}: the other.")
-        outcome = _evaluate(run, RosProgram(behind, optics), out, quiet=as_json)
+        outcome = _evaluate(run, RosProgram(behind, optics, arm), out, quiet=as_json)
         behind.publish_result(result_message(outcome))
     _report(run, outcome, out, as_json=as_json)
 

@@ -13,9 +13,9 @@ BENCHMARK, SEED = "currents-v1", 7
 SHORT = {"levels": [0.1, 0.3], "level_duration_s": 2, "settle_s": 1, "tracker": "truth"}
 
 
-def configuration(**settings: Any) -> dict[str, Any]:
+def configuration(benchmark: str = BENCHMARK, **settings: Any) -> dict[str, Any]:
     """Return a short configuration as a document."""
-    return registry.benchmark(BENCHMARK).read(SHORT | settings).model_dump(mode="json")
+    return registry.benchmark(benchmark).read(SHORT | settings).model_dump(mode="json")
 
 
 def built_in(name: str, **settings: Any) -> RunOutcome:
@@ -26,11 +26,18 @@ def built_in(name: str, **settings: Any) -> RunOutcome:
 class Running:
     """A run in another thread."""
 
-    def __init__(self, program: Program, *, rows: OnRows | None = None, **settings: Any) -> None:
+    def __init__(
+        self,
+        program: Program,
+        *,
+        rows: OnRows | None = None,
+        benchmark: str = BENCHMARK,
+        **settings: Any,
+    ) -> None:
         self._pool = ThreadPoolExecutor(1)
         self._outcome = self._pool.submit(
             evaluate_connected,
-            *(BENCHMARK, configuration(**settings), program),
+            *(benchmark, configuration(benchmark, **settings), program),
             name="test",
             seed=SEED,
             callbacks=Callbacks(rows=rows) if rows else None,

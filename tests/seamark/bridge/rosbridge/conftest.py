@@ -13,6 +13,7 @@ from seamark.bridge.rosbridge.lock_step import LockStep, Rules
 from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
 from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.sim.camera.optics import CURRENTS
+from seamark.sim.vehicles.linkage_reading import load_linkage
 from tests.seamark.bridge.conftest import Running
 
 PATIENCE_S = 240.0  # a simulator may have to be compiled first, on a busy machine
@@ -70,7 +71,8 @@ class Bridged:
         self._stack = stack
 
     def start(self, **settings: Any) -> Running:
-        return Running(RosProgram(self.bridge, CURRENTS), **settings)
+        arm = ARM if settings.get("arm") else None
+        return Running(RosProgram(self.bridge, CURRENTS, arm), **settings)
 
     def client(self, **options: Any) -> Client:
         url = f"ws://127.0.0.1:{self.bridge.port}"
@@ -78,6 +80,11 @@ class Bridged:
         return Client(self._stack.enter_context(connecting))
 
 
+ARM = load_linkage("alpha-like")
+WITH_ARM: dict[str, Any] = {
+    **{"benchmark": "currents-v2", "arm": ARM.name, "vehicle": "bluerov2-heavy-v2"},
+    **{"levels": [0.1], "level_duration_s": 4.0},
+}
 Open = Callable[..., Bridged]
 
 
@@ -86,8 +93,10 @@ def open_bridge() -> Iterator[Open]:
     """Open a bridge: `open_bridge(answer_within_s=1.0, axes=Axes.ENU)`."""
     with ExitStack() as stack:
 
-        def start(*, answer_within_s: float = 30.0, axes: Axes = Axes.NED, **rules: Any) -> Bridged:
-            lock_step = LockStep(Rules(answer_s=answer_within_s, **rules))
+        def start(
+            *, answer_within_s: float = 30.0, axes: Axes = Axes.NED, joints: int = 0, **rules: Any
+        ) -> Bridged:
+            lock_step = LockStep(Rules(answer_s=answer_within_s, **rules), joints=joints)
             address = TcpAddress("127.0.0.1", 0)
             opening = opened(lock_step, address, say=lambda _sentence: None, axes=axes)
             return Bridged(stack.enter_context(opening), stack)

@@ -12,7 +12,7 @@ from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.protocol import Publish, Refused, read, read_reference
 from seamark.bridge.rosbridge.server import MOST_CLIENTS
 from seamark.bridge.rosbridge.topics import REFERENCES, TOPICS
-from tests.seamark.bridge.rosbridge.conftest import Open
+from tests.seamark.bridge.rosbridge.conftest import WITH_ARM, Open
 
 REFUSED: list[tuple[str | bytes, str]] = [
     ("{", "not JSON"),
@@ -129,8 +129,8 @@ def test_there_is_a_limit_on_clients(open_bridge: Open) -> None:
 def test_the_type_of_a_subscription_chooses_the_version_of_ros(
     open_bridge: Open, separator: str, seconds: str, rest: str
 ) -> None:
-    bridged = open_bridge()
-    running = bridged.start(levels=[0.3])
+    bridged = open_bridge(joints=5)
+    running = bridged.start(**WITH_ARM)
     client = bridged.client()
 
     for name, topic in TOPICS.items():

@@ -1,0 +1,65 @@
+"""A program behind a bridge moves an arm, and gets what it feels."""
+
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import pytest
+
+from tests.seamark.bridge.conftest import Running
+from tests.seamark.bridge.rosbridge.conftest import WITH_ARM, Bridged, Open
+from tests.sim.engine.test_arm import Moving
+
+SPEEDS = [0.3, -0.2, 0.1, 0.0, -0.1]
+SURGE = 0.2
+
+
+def publish_speeds(bridged: Bridged, speeds: list[float]) -> Any:
+    client = bridged.client()
+    client.send(op="publish", topic="/seamark/joint_velocity", msg={"data": speeds})
+    return client
+
+
+@pytest.mark.slow
+def test_the_speeds_of_joints_go_with_each_reference_from_then_on(open_bridge: Open) -> None:
+    direct = Running(Moving((SURGE, 0.0, 0.0, 0.0, *SPEEDS)), **WITH_ARM).outcome()
+    bridged = open_bridge(joints=len(SPEEDS))
+    client = publish_speeds(bridged, SPEEDS)
+    for topic in ("/seamark/joint_states", "/seamark/wrench", "/seamark/touch", "/seamark/error"):
+        client.subscribe(topic)
+    running = bridged.start(**WITH_ARM)
+
+    with ThreadPoolExecutor(1) as pool:
+        answering = pool.submit(client.answer_all, "/seamark/error", lambda _message: SURGE)
+        outcome = running.outcome()
+        bridged.bridge.publish_result("{}")
+        answering.result()
+
+    assert (outcome.failure, outcome.digest) == (None, direct.digest)
+    by_topic: dict[str, Mapping[str, Any]] = {one["topic"]: one["msg"] for one in client.others}
+    joints = by_topic["/seamark/joint_states"]
+    assert joints["name"] == ["shoulder", "upper arm", "forearm", "wrist", "jaw port"]
+    assert joints["velocity"][0] == pytest.approx(0.3, abs=0.05)
+    assert {*by_topic["/seamark/wrench"]["wrench"]} == {"force", "torque"}
+    assert len(by_topic["/seamark/touch"]["data"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("speeds", "words"),
+    [([0.1] * 4, "5 joints"), ([0.1] * 99, "16 items"), (["fast"] * 5, "number")],
+)
+def test_speeds_that_are_no_speeds_of_these_joints_are_refused(
+    open_bridge: Open, speeds: list[Any], words: str
+) -> None:
+    client = publish_speeds(open_bridge(joints=5), speeds)
+
+    status = client.receive()
+
+    assert (status["op"], status["level"]) == ("status", "error")
+    assert words in status["msg"]
+
+
+def test_a_vehicle_without_an_arm_takes_no_speeds_of_joints(open_bridge: Open) -> None:
+    client = publish_speeds(open_bridge(), [0.1])
+
+    assert "has no arm" in client.receive()["msg"]
