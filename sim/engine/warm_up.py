@@ -12,11 +12,11 @@ import cv2
 from seamark.sim import registry, trackers
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.multibody import hull
-from seamark.sim.multibody import plant as armed
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
 from seamark.sim.physics import plant
 
+WITH_ARM = {"vehicle": "bluerov2-heavy-v2", "arm": "alpha-like"}
 OnPart = Callable[[int, int], None]
 
 
@@ -35,8 +35,8 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     cv2.setNumThreads(1)
     # Large parts first; the registry lists the newest benchmarks first, and the others need less.
     parts = {"plant": plant.warm_up, "contacts": hull.warm_up, "trackers": trackers.warm_up}
-    parts["arm"] = armed.warm_up
     parts |= {name: partial(_shortest_trial, name) for name in registry.BENCHMARKS}
+    parts["arm"] = partial(_shortest_trial, registry.DEFAULT_BENCHMARK, **WITH_ARM)
     names = list(parts)
     run_parts(
         parts,
@@ -51,8 +51,8 @@ def warm_up_benchmark(name: str) -> None:
     run_parts({name: partial(_shortest_trial, name)}, numba_folder(os.environ))
 
 
-def _shortest_trial(name: str) -> None:
+def _shortest_trial(name: str, **settings: object) -> None:
     benchmark = registry.benchmark(name)
-    config = benchmark.read(benchmark.quick_settings)
+    config = benchmark.read({**benchmark.quick_settings, **settings})
     solution = benchmark.load().built_in(next(iter(benchmark.built_in)), config)
     run_trial(name, config, solution, seed=0, trial=0, on_rows=lambda _rows: None)

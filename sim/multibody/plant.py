@@ -24,8 +24,7 @@ from seamark.sim.physics.pose import write_pose
 from seamark.sim.physics.terrain import Bottom, Mounds
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.physics.thrusters import steady_thrust
-from seamark.sim.vehicles import Vehicle, load
-from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles import Vehicle
 
 STEP_S = 0.002  # S: measured against 1 and 4 ms, see docs/validation.md
 ITERATIONS = 10  # of the contact solver; S: docs/validation.md
@@ -191,16 +190,6 @@ class ArmedPlant(Plant):
 
     def _numbers(self, of_link: Integers) -> Integers:
         return of_link[[self.assembly.mechanism.number(name) for name in self.assembly.motors]]
-
-
-def warm_up() -> None:
-    """Load or compile what a vehicle with an arm needs, so that forked processes start at once."""
-    vehicle = load("bluerov2-heavy-v2")
-    arm, place = next(iter(vehicle.mounts.items()))
-    mounting = Mounting(linkage=load_linkage(arm), place=place, on_vehicle=True)
-    plant = ArmedPlant(vehicle, [mounting], Current(0.0), None, step_s=STEP_S)
-    plant.reset(np.zeros(6))
-    plant.advance(0, np.zeros(len(vehicle.thrusters)), 1)
 
 
 def _readings(means: Array, motors: int) -> Readings:
