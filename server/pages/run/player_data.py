@@ -31,6 +31,8 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     with vehicles.lent_to(services().settings, run):
         charts = _charts(run, benchmark.charts_of(config))
     absent = absent_columns(run)
+    # Before the first row, those that it will have: a live page asks for them as they come.
+    width = len(files.columns) if files.row_count() else config.telemetry_shape()[1]
     return {
         "id": run.id,
         "benchmark": run.benchmark,
@@ -42,12 +44,12 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "ordered": config.levels_in_order(),
         "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
-        "arm": telemetry.has_arm(len(files.columns)),
+        "arm": telemetry.has_arm(width),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": charts,
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
-            for column in telemetry.columns(len(files.columns))
+            for column in telemetry.columns(width)
             if column.name not in _NOT_CHARTED | absent
         ],
         "api": f"/api/v1/runs/{run.id}",
