@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from tests.sim.camera import test_link_camera
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
@@ -60,6 +61,7 @@ def main() -> None:
             partial(_run, MECHANISMS, {}),
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
+            partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
         )
         with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -24,6 +24,7 @@ from seamark.sim.vehicles.model import Place
 from tests.sim.camera import link_scenes as scenes
 from tests.sim.camera.conftest import bilinear
 from tests.sim.camera.link_scenes import SlowRenderer, average, camera, look, placed, turned
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
 
 Array = NDArray[np.float64]
 
@@ -344,9 +345,7 @@ print(digest.hexdigest())
 
 
 @pytest.mark.slow
-def test_another_process_and_the_oldest_processor_give_the_same_bytes(
-    oldest_processor: dict[str, str],
-) -> None:
+def test_another_process_and_the_oldest_processor_give_the_same_bytes() -> None:
     digests = [
         subprocess.run(
             [sys.executable, "-c", PROGRAM],
@@ -355,7 +354,7 @@ def test_another_process_and_the_oldest_processor_give_the_same_bytes(
             check=True,
             env={**os.environ, **variables},
         ).stdout
-        for variables in ({}, {}, oldest_processor)
+        for variables in ({}, {}, OLDEST_PROCESSOR)
     ]
 
     assert len(digests[0].strip()) == 64
