@@ -38,8 +38,9 @@ def ended_as(running: Service, values: dict[str, object], **sent: Any) -> RunVie
 
 
 def test_a_vehicle_of_a_user_gives_the_server_the_bytes_of_a_local_run(running: Service) -> None:
-    config = {**SHORT, "vehicle": own.add(VEHICLE.encode())}
-    here = evaluate_locally("currents-v1", config, seed=3, controller="pi")
+    with own.lending(VEHICLE.encode()) as name:
+        config = {**SHORT, "vehicle": name}
+        here = evaluate_locally("currents-v1", config, seed=3, controller="pi")
     ours = evaluate_locally("currents-v1", SHORT, seed=3, controller="pi")
 
     run = running.ended(submitted(running))
