@@ -18,6 +18,8 @@ from seamark.server.web.services import services
 from seamark.server.web.streams.excerpts import start_of_trial
 from seamark.sim.benchmarks.benchmark import Chart
 from seamark.sim.recording import telemetry
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.grid import level_names
 
 IMAGE_PERIOD_S = 0.05
@@ -31,8 +33,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     with vehicles.lent_to(services().settings, run):
         charts = _charts(run, benchmark.charts_of(config))
     absent = absent_columns(run)
-    # Before the first row, those that it will have: a live page asks for them as they come.
-    width = len(files.columns) if files.row_count() else config.telemetry_shape()[1]
+    width = _width(files, config)
     return {
         "id": run.id,
         "benchmark": run.benchmark,
@@ -55,6 +56,14 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "api": f"/api/v1/runs/{run.id}",
         "events_after": str(start_of_trial(files)),
     }
+
+
+def _width(files: RunFiles, config: Configuration) -> int:
+    """Return how many columns the rows have, or will have: a live page wants them as they come."""
+    if files.row_count():
+        return len(files.columns)
+    arm = config.chosen_arm() if isinstance(config, ExperimentSettings) else None
+    return telemetry.width_for(telemetry.COMMON_THRUSTERS, arm=arm is not None)
 
 
 def _charts(run: RunView, charts: Sequence[Chart]) -> list[dict[str, Any]]:
