@@ -2,6 +2,7 @@
 
 import os
 import socket
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
-from seamark.worker.ipc.messages import BoxFailed, Crashed
+from seamark.worker.ipc.messages import BoxFailed, Crashed, RunEnded, Started
+from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.zygote import client
 from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
 from tests.worker.evaluation.fakes import FakeListener
@@ -88,6 +90,32 @@ def test_a_box_that_fails_is_told_from_a_simulator_that_crashes(
 
 @pytest.mark.slow
 @pytest.mark.timeout(COMPILED_S + 60)
+def test_a_run_that_is_over_before_anybody_has_read_of_its_start_has_its_outcome() -> None:
+    gone = subprocess.Popen(["true"])
+    gone.wait()
+    ours, childs = socket.socketpair()
+    messages.send(childs, Started(gone.pid))
+    messages.send(childs, RunEnded(RunOutcome(digest="0" * 64)))
+    childs.close()
+
+    with Simulation(ours) as simulation:
+        outcome = simulation.run(FakeListener(), lambda: None)
+
+    assert outcome.digest == "0" * 64
+    assert simulation.started
+
+
+def test_a_child_that_dies_without_an_outcome_is_a_failure_of_the_platform() -> None:
+    gone = subprocess.Popen(["true"])
+    gone.wait()
+    ours, childs = socket.socketpair()
+    messages.send(childs, Started(gone.pid))
+    childs.close()
+
+    with Simulation(ours) as simulation, pytest.raises(SimulatorBroken, match="died"):
+        simulation.run(FakeListener(), lambda: None)
+
+
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)
 
