@@ -84,8 +84,7 @@ class Look:
 class Assembly:
     """A mechanism with the names and limits that commands and sensors need.
 
-    An arm is a linkage on the vehicle. `frames` are those of the links in the files, whether they
-    move or are fixed to one that does.
+    An arm is a linkage on the vehicle.
     """
 
     mechanism: Mechanism
@@ -93,7 +92,6 @@ class Assembly:
     fastest: tuple[float, ...]  # of each motor [rad/s or m/s]
     starts: Mapping[str, tuple[Array, Array]]  # of free links: point and rotation
     homes: Mapping[str, float]  # of joints: coordinate at the start [rad or m]
-    frames: Mapping[str, Frame]
     hull: tuple[str, ...] = ()  # shapes of the vehicle
     arm: tuple[str, ...] = ()  # shapes of its arm, and of these
     feelers: tuple[str, ...] = ()  # those that may touch something
@@ -147,7 +145,6 @@ def assemble(
         fastest=tuple(joint.speed.scalar for _, joint in moved if joint.speed),
         starts=starts,
         homes={name: joint.home.scalar for name, joint in moved if joint.home},
-        frames=frames,
         hull=hull,
         arm=() if arm is None else _own(arm, arm.linkage.shapes()),
         feelers=() if arm is None else _own(arm, arm.linkage.outer),

@@ -20,7 +20,6 @@ from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.physics.current import RELATIVE, Current, Water, segment_at
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.pose import write_pose
 from seamark.sim.physics.terrain import Bottom, Mounds
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.physics.thrusters import steady_thrust
@@ -102,6 +101,9 @@ class ArmedPlant(Plant):
         self._means = np.zeros_like(self._gauges.sums)
         self.readings = _readings(self._means, len(self.assembly.motors))
         self._move = SameTypes(advance_and_measure)
+        driven = [self.assembly.mechanism.number(name) for name in self.assembly.motors]
+        self._coordinates = self._model.structure.coordinate[driven]
+        self._rates = self._model.structure.speed[driven]
 
     def _trim(self) -> None:
         """Let the vehicle carry floats that lift as much as its arm weighs, so that it lies level.
@@ -128,7 +130,6 @@ class ArmedPlant(Plant):
         mechanism.q[:] = self._start
         for part in (mechanism.v, mechanism.thrust, *mechanism.impulses, self._held.speed):
             part[:] = 0.0
-        write_pose(np.array(pose, dtype=np.float64), self.state)
         mechanism.q[:_FREE] = self.state[:_FREE]
         self._means[:] = 0.0
 
@@ -182,14 +183,11 @@ class ArmedPlant(Plant):
 
     def joints(self) -> Array:
         """Return the coordinate of each motor's joint, (a,) [rad or m]."""
-        return self.mechanism.q[self._numbers(self._model.structure.coordinate)]
+        return self.mechanism.q[self._coordinates]
 
     def joint_rates(self) -> Array:
         """Return the speed of each motor's joint, (a,) [rad/s or m/s]."""
-        return self.mechanism.v[self._numbers(self._model.structure.speed)]
-
-    def _numbers(self, of_link: Integers) -> Integers:
-        return of_link[[self.assembly.mechanism.number(name) for name in self.assembly.motors]]
+        return self.mechanism.v[self._rates]
 
 
 def _readings(means: Array, motors: int) -> Readings:
