@@ -21,6 +21,8 @@ from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.monitoring import meters
 from seamark.server.settings import Settings
+from seamark.sim import vehicles
+from seamark.sim.vehicles import own
 from tests.cast import Backend
 from tests.services import compiled_once, postgres, s3, scratch, tables, valkey
 
@@ -71,6 +73,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """Keep what is loaded and collected, which stays to the end, from the garbage collector."""
     gc.freeze()
+
+
+@pytest.fixture(autouse=True)
+def _vehicles_of_this_test(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a test adds is not there for the next: commands run in the process of the tests."""
+    monkeypatch.setattr(own, "added", {})
+    monkeypatch.setattr(vehicles, "added", own.added)
+    monkeypatch.setattr(own, "_FILES", {})
 
 
 @pytest.fixture(scope="session")
