@@ -78,8 +78,9 @@ def pytest_collection_finish() -> None:
 @pytest.fixture(autouse=True)
 def _vehicles_of_this_test(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a test adds is not there for the next: commands run in the process of the tests."""
-    monkeypatch.setattr(own, "added", {})
-    monkeypatch.setattr(vehicles, "added", own.added)
+    added: dict[str, vehicles.Vehicle] = {}
+    for module in (vehicles, own):
+        monkeypatch.setattr(module, "added", added)
     monkeypatch.setattr(own, "_FILES", {})
 
 
