@@ -129,8 +129,10 @@ class Installation:
         return [pid for pid in tree(worker) if module.encode() in command_line(pid)]
 
     def pool_child(self, worker: int) -> int | None:
-        zygotes = {parent_of(pid) for pid in self.processes(worker, ZYGOTE)}
-        return next((pid for pid in zygotes if parent_of(pid) == worker), None)
+        """Return a process of a worker's pool: a fork, with the command of the worker."""
+        pids = [pid for pid in tree(worker) if parent_of(pid) == worker]
+        own = command_line(worker)
+        return next((pid for pid in pids if command_line(pid) == own), None)
 
     def simulator_child(self, worker: int) -> int | None:
         """Return the process that evaluates a run: a fork of the zygote."""

@@ -7,6 +7,8 @@ from typing import Self
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.cores import NO_LOCKS, Cores
 
+NO_MOTHER = -1  # zygotes are new interpreters
+
 
 @dataclass(frozen=True, slots=True)
 class WorkerSlot:
@@ -18,6 +20,7 @@ class WorkerSlot:
     core_locks: int = NO_LOCKS  # descriptor of the locks on them
     languages: tuple[str, ...] = ()  # of uploads; their boxes are started between runs
     warm_boxes: int = 0  # of each language
+    mother: int = NO_MOTHER  # descriptor on which the worker's processes ask for a zygote
 
     def cores(self) -> Cores:
         """Return the cores of one run."""
@@ -29,7 +32,7 @@ class WorkerSlot:
         return cores if min(trials, cores.count) > 1 else None
 
     def inherited_descriptors(self) -> tuple[int, ...]:
-        """Return the descriptors that a process of this slot has to inherit."""
+        """Return the descriptors that a zygote of this slot has to inherit."""
         return () if self.core_locks == NO_LOCKS else (self.core_locks,)
 
     def to_json(self) -> str:

@@ -1,6 +1,6 @@
 """The slots of a worker for programs that are connected from elsewhere, beside those of its runs.
 
-    python -s -P -m seamark.worker.service.bridge_loop <parent> <name>
+    python -s -P -m seamark.worker.service.bridge_loop <parent> <name> <mother>
 
 A program across the network may be slow. It holds a slot of its own kind, which no other run could
 have, for a limited time (seamark.worker.evaluation.bridged).
@@ -124,12 +124,13 @@ class BridgeLoop:
         return None
 
 
-def main(parent: str, name: str) -> None:
+def main(parent: str, name: str, mother: str) -> None:
     """Be one of the slots of a worker for connected programs."""
     stopping = follow_worker(int(parent))
     settings = Settings.load()
     log.configure(settings.log_level)
-    simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), settings.data / "compiled")
+    slot = WorkerSlot(IsolationLevel.NONE, None, mother=int(mother))
+    simulator = Simulator(slot, settings.data / "compiled")
     BridgeLoop(settings, simulator, stopping, name=name).serve()
 
 

@@ -21,7 +21,7 @@ from seamark.server.database.tables import Worker
 from seamark.server.messaging import workers
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
-from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.evaluation.worker_slot import NO_MOTHER, WorkerSlot
 
 # A user has one check at a time, so that one whose program sleeps never holds both.
 CHECK_PROCESSES = 2
@@ -42,6 +42,7 @@ class Host:
     languages: tuple[str, ...]
     core_locks: int = field(default_factory=new_locks)
     contents: Mapping[str, Sequence[Component]] = field(default_factory=dict)
+    mother: int = NO_MOTHER
 
     @classmethod
     def probe(cls, settings: Settings, *, name: str) -> Self:
@@ -84,6 +85,7 @@ class Host:
                 "-m",
                 "seamark.worker.service.bridge_loop",
                 f"{self.name}/{process}",
+                str(self.mother),
             ]
         return commands
 
@@ -109,8 +111,14 @@ class Host:
     def _slot(self, core: int, **cores: Any) -> WorkerSlot:
         # A host that runs no uploads starts no box.
         isolation = self.isolation if self.languages else IsolationLevel.NONE
-        warm_boxes = self.settings.warm_boxes
-        return WorkerSlot(isolation, core, languages=self.languages, warm_boxes=warm_boxes, **cores)
+        return WorkerSlot(
+            isolation,
+            core,
+            languages=self.languages,
+            warm_boxes=self.settings.warm_boxes,
+            mother=self.mother,
+            **cores,
+        )
 
     def _row(self) -> Worker:
         return Worker(

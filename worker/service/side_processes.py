@@ -17,8 +17,9 @@ import structlog
 from seamark.server.database.engine import DATABASE_AWAY
 from seamark.server.messaging.workers import RUNNING
 from seamark.server.monitoring.outages import Outage
+from seamark.worker.ipc.fork_server import Process
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
-from seamark.worker.service.nursery import Process, spawn
+from seamark.worker.service.nursery import spawn
 
 POLL_S = 0.25  # [s] between two checks of the processes
 REPORT_S = 5.0  # [s] well below seamark.server.messaging.workers.ALIVE_S

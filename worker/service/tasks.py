@@ -3,6 +3,8 @@
 import gc
 import mmap
 import os
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import structlog
@@ -24,6 +26,7 @@ from seamark.worker.service.host import Host
 from seamark.worker.service.nursery import Nursery, spawn
 from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.service.side_processes import SideProcesses
+from seamark.worker.zygote.client import Mother
 
 _log = structlog.get_logger()
 # One byte that the pool's children share with their parent, which sets it at a shutdown. Celery
@@ -43,10 +46,14 @@ def _probe_host(sender: Any, **_: object) -> None:
     """Find out what this host can do, and with which code; what is forked later inherits it."""
     result_code()
     configure_mappers()
-    _state["host"] = Host.probe(settings, name=str(sender.hostname))
+    host = Host.probe(settings, name=str(sender.hostname))
+    mother = Mother.start(host.slot(0), settings.data / "compiled")
+    _state["mother"] = mother
+    _state["host"] = replace(host, mother=mother.descriptor)
     gc.freeze()  # what is loaded stays, and forks share it as long as nobody touches it
     gc.enable()  # see seamark.worker.service.main_process
-    _state["nursery"] = Nursery.fork()  # Celery has neither threads nor connections yet
+    # Celery has neither threads nor connections yet.
+    _state["nursery"] = Nursery.fork(kept=[mother.descriptor])
 
 
 @worker_ready.connect
@@ -60,7 +67,7 @@ def _start_side_processes(**_: object) -> None:
         host.side_process_commands(),
         host.heartbeat,
         leave=host.unregister,
-        start=nursery.start if nursery else spawn,
+        start=nursery.start if nursery else partial(spawn, kept=[host.mother]),
     )
     side_processes.start()
     _state["side_processes"] = side_processes
@@ -94,6 +101,7 @@ def _end(**_: object) -> None:
     nursery: Nursery | None = _state["nursery"]
     if nursery is not None:
         nursery.close()
+    _state["mother"].stop()
 
 
 def _run_loop() -> RunLoop:

@@ -28,6 +28,7 @@ from seamark.server.runs.showing.views import RunView
 from seamark.server.web.streams.access_watch import RENEW_S
 from seamark.server.web.streams.bridge_session import REFUSED
 from seamark.worker.evaluation.local import evaluate_locally
+from seamark.worker.evaluation.worker_slot import NO_MOTHER
 from tests.seamark.bridge.conftest import BENCHMARK, SEED, SHORT, configuration
 from tests.seamark.bridge.rosbridge.conftest import PATIENCE_S, Client
 from tests.services.asgi import serving
@@ -80,7 +81,15 @@ class Site:
 
 
 def process_of(service: Service) -> "subprocess.Popen[bytes]":
-    module = ["-s", "-P", "-m", "seamark.worker.service.bridge_loop", str(getpid()), LANE]
+    module = [
+        "-s",
+        "-P",
+        "-m",
+        "seamark.worker.service.bridge_loop",
+        str(getpid()),
+        LANE,
+        str(NO_MOTHER),
+    ]
     return subprocess.Popen([sys.executable, *module], env=environ | service.settings.environment())
 
 

@@ -161,8 +161,9 @@ def test_a_nursery_has_one_thread_and_no_connection(running: Service) -> None:
     to_others = [one for one in opened if one.startswith("socket:")]
 
     assert len(threads([nursery])) == 1
-    # One end for requests, and one for each side process: the main process has the others.
-    assert len(to_others) == 1 + sum(parent_of(pid) == nursery for pid in tree(nursery))
+    # One end for requests, one on which side processes ask for zygotes, and one for each of them:
+    # other processes have the others.
+    assert len(to_others) == 2 + sum(parent_of(pid) == nursery for pid in tree(nursery))
 
 
 @pytest.mark.slow
