@@ -11,6 +11,8 @@ Numba imports this module by name, from the variable that `numba_internals.confi
 
 import functools
 import hashlib
+import importlib
+import importlib.util
 import os
 import re
 import shutil
@@ -19,11 +21,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from seamark.sim.numerics.numba_internals import SOURCES, numba_folder
 
 ROOT = SOURCES.parent
+START_INTERNALS = ("numba.np.linalg:ensure_blas", "numba.np.arraymath:ensure_blas")
 DAY_S = 86_400.0
 UNUSED_MAX_S = 30 * DAY_S  # then compiled code is removed
 _FOLDER = re.compile(r"numba-\w+-[0-9a-f]{16}")
@@ -52,6 +55,7 @@ class SourceStampLocator:
         path = Path(file).resolve()
         if not path.is_relative_to(SOURCES):
             return None
+        _load_numba_without_blas()
         locator = cls(path, function.__code__.co_firstlineno)
         _use(locator._folder)
         return locator
@@ -77,6 +81,26 @@ class SourceStampLocator:
     def get_disambiguator(self) -> str:
         """Return what distinguishes functions of the same name in one file."""
         return str(self._line)
+
+
+@functools.cache  # before the first function is loaded
+def _load_numba_without_blas() -> None:
+    """Have Numba load its functions of arrays without SciPy's linear algebra.
+
+    It only looks whether that is there: of the simulator, no function calls it, and one that did
+    would load it then. That look took a tenth of the time until a process can simulate.
+    """
+    linalg: Any = importlib.import_module("numba.np.linalg")
+    look, linalg.ensure_blas = linalg.ensure_blas, _require_scipy
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = look
+
+
+def _require_scipy() -> None:
+    if importlib.util.find_spec("scipy") is None:
+        raise ImportError("no SciPy")
 
 
 def _check(folder: Path) -> None:

@@ -9,7 +9,7 @@ import numba
 import pytest
 from numba.core.caching import _CacheLocator
 
-from seamark.sim.numerics.compiled_cache import SourceStampLocator
+from seamark.sim.numerics.compiled_cache import START_INTERNALS, SourceStampLocator
 from seamark.sim.numerics.numba_internals import (
     CACHE_INTERNALS,
     CALL_INTERNALS,
@@ -23,9 +23,34 @@ from seamark.sim.numerics.numba_internals import (
 PYPROJECT = Path(__file__).parents[3] / "pyproject.toml"
 
 
-@pytest.mark.parametrize("internal", CACHE_INTERNALS + CALL_INTERNALS + SIMD_INTERNALS)
+# A process that has loaded all that runs need; then it multiplies by BLAS.
+WARM = """
+import sys
+from seamark.sim.engine.warm_up import warm_up
+
+warm_up()
+print("scipy.linalg" in sys.modules)
+
+import numba
+import numpy as np
+
+print(numba.njit(lambda a, b: a @ b)(np.eye(2), np.ones(2)).tolist())
+"""
+
+
+@pytest.mark.parametrize(
+    "internal", CACHE_INTERNALS + CALL_INTERNALS + SIMD_INTERNALS + START_INTERNALS
+)
 def test_the_installed_numba_has_every_internal_that_the_simulator_uses(internal: str) -> None:
     assert not missing([internal]), f"Numba {numba.__version__} no longer has {internal}"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)  # the very first start compiles the simulator
+def test_no_function_of_the_simulator_loads_linear_algebra_and_those_of_others_still_can() -> None:
+    found = subprocess.run([sys.executable, "-c", WARM], stdout=subprocess.PIPE, check=True)
+
+    assert found.stdout.decode().splitlines() == ["False", "[1.0, 1.0]"]
 
 
 def test_the_pin_of_numba_is_the_tested_minor_version() -> None:
