@@ -37,7 +37,11 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture
 def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """The same service on PostgreSQL and a broker over TCP, by settings alone."""
-    variables = {"SEAMARK_DATABASE_URL": postgres_url, "SEAMARK_BROKER_URL": redis_tcp_url}
+    variables = {
+        "SEAMARK_DATABASE_URL": postgres_url,
+        "SEAMARK_BROKER_URL": redis_tcp_url,
+        "SEAMARK_WORKERS": "1",  # for its one run; a second would prepare itself for nothing
+    }
     with running(**variables) as started:
         without_baselines(postgres_url)
         yield started

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from axe_playwright_python.base import AxeResults
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
 from performance.service.database.requests import create_first, pages
@@ -18,25 +16,19 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app
 from seamark.server.settings import Settings
+from tests.journey import accessibility
 from tests.journey.service import Service
 from tests.journey.visitor import PASSWORD, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 ADMIN = "sees-all"
-# The themes differ in their colours alone. Of what passes a rule, nothing is reported: that takes
-# longer than the rules.
-_FOUND: dict[str, Any] = {"resultTypes": ["violations"]}
-RULES: dict[str, Any] = {"light": _FOUND, "dark": _FOUND | {"runOnly": ["color-contrast"]}}
 LIGHT_KB = 300  # of a page with all that it loads, compressed
 LEFT_OUT = ("/vendor/three/", "/api/v1/")  # the library for 3D, and the data of a run
 PHONE_PX = 375
 DESKTOP: Any = {"width": 1280, "height": 900}
 PHONE: Any = {"width": PHONE_PX, "height": 800}
-UNFOLD = "for (const part of document.querySelectorAll('details')) part.open = true"
 WIDTH = "document.documentElement.scrollWidth"
-AXE = "async rules => ({violations: (await axe.run(rules)).violations})"
-THEME = "scheme => { document.documentElement.dataset.theme = scheme }"
 
 
 @pytest.fixture(scope="module")
@@ -86,13 +78,7 @@ def _defects(page: Page, weight: Weight) -> Iterator[str]:
     """Yield what is wrong with the page that is open."""
     if weight.bytes > LIGHT_KB * 1000:
         yield f"{weight.bytes / 1000:.0f} KB"
-    page.evaluate(UNFOLD)
-    page.evaluate(Axe().axe_script)  # once, where `Axe.run` does it each time
-    for scheme, rules in RULES.items():
-        page.evaluate(THEME, scheme)
-        axe = AxeResults(page.evaluate(AXE, rules))
-        if axe.violations_count:
-            yield f"{scheme}: {axe.generate_report()}"
+    yield from accessibility.defects_in_both_themes(page)
     page.set_viewport_size(PHONE)
     for _ in range(20):  # charts follow the size of the window a frame later
         if (width := page.evaluate(WIDTH)) <= PHONE_PX:
@@ -123,3 +109,37 @@ def test_every_page_is_accessible_light_and_as_wide_as_a_phone_and_has_no_error(
 
     assert "\n".join(found) == ""
     assert admin.errors == []
+
+
+def _styled(background: str, colours: str) -> str:
+    parts = "".join(f'<b style="color: var(--text)">{text}</b>' for text in (")", "Depth"))
+    row = f'<p style="background: var(--below)">{parts}</p>'
+    return f"""<!doctype html><html lang="en"><title>Rows</title><style>
+        :root {{ --below: white; --text: black; background: white }}
+        :root[data-theme="dark"] {{ --below: black; --text: white; background: black }}
+        :root[data-theme="dark"] .odd {{ --below: {background} }}
+        :root[data-theme="{colours}"] .faint {{ --text: grey; opacity: 0.6 }}
+        </style><main><h1>Rows</h1>{row * 3}<div class="odd">{row}</div>{row}
+        <div class="faint">{row}</div></main></html>"""
+
+
+@pytest.mark.parametrize(
+    ("background", "faint_in", "found"),
+    [
+        ("black", "none", []),
+        ("lightgrey", "none", ["dark"]),
+        ("black", "dark", ["dark"]),
+        ("black", "light", ["light"]),
+    ],
+)
+def test_one_faint_text_among_others_of_its_kind_is_found_in_the_theme_that_it_is_faint_in(
+    chromium: Browser, background: str, faint_in: str, found: list[str]
+) -> None:
+    page = chromium.new_page()
+    page.set_content(_styled(background, faint_in))
+
+    reports = list(accessibility.defects_in_both_themes(page))
+
+    assert [report.partition(":")[0] for report in reports] == found
+    assert all("color-contrast" in report for report in reports)
+    page.close()
