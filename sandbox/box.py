@@ -18,7 +18,7 @@ from seamark.sandbox.isolation.bwrap_command import IMAGES_DESCRIPTOR
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import START_WITHIN_S, Layers, ProcessTree
 from seamark.sandbox.isolation.shared_images import SharedImages
-from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, role_refusal
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, images_refusal, role_refusal
 from seamark.sandbox.languages.inside import wire
 from seamark.sandbox.languages.language import CONTROLLER, Language
 from seamark.sandbox.limits import Limits
@@ -74,6 +74,8 @@ class Box:
         self._command: Callable[[memoryview], Command] = answers.command
         self._values: object = None  # the buffer that the last observation came in
         self._body = memoryview(b"")  # its bytes
+        self._cameras: tuple[str, ...] = ()  # whose images the program is given
+        self._shown = b""  # IMAGE headers of their newest images
 
     def _set_language(self, language: Language, *, compiling: bool) -> None:
         self._language = language
@@ -128,7 +130,8 @@ class Box:
             `role` is one of the language's roles, a controller if it is missing. The layout of a
             controller has the `observation` that `step` is given; the other roles get images. A
             vehicle with an arm has more than four names in `command`, and the fastest speed of
-            each joint in `joint_limits`.
+            each joint in `joint_limits`. A controller that gets images, too, has in `images` a list
+            of name, height and width [px] of each camera.
         """
         self.wait_ready()
         shown = "".join(c for c in PurePosixPath(filename).name if c.isprintable())
@@ -139,6 +142,10 @@ class Box:
             )
             self._session.end(Failure(Verdict.COMPILE_ERROR, sentence))
         if refusal := role_refusal(self._language.name, str(layout.get("role", CONTROLLER))):
+            self._session.end(Failure(Verdict.COMPILE_ERROR, refusal))
+        images = cast(Sequence[Sequence[object]], layout.get("images", ()))
+        self._cameras = tuple(str(name) for name, *_size in images)
+        if self._cameras and (refusal := images_refusal(self._language.name)):
             self._session.end(Failure(Verdict.COMPILE_ERROR, refusal))
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
         self._command = partial(answers.command, limits=wire.command_limits(dict(layout)))
@@ -159,7 +166,7 @@ class Box:
             "config": dict(config),
             "layout": dict(layout),
         }
-        if layout.get("role", CONTROLLER) != CONTROLLER:
+        if layout.get("role", CONTROLLER) != CONTROLLER or self._cameras:
             header["images"] = self._images.description(IMAGES_DESCRIPTOR)
         return header
 
@@ -184,8 +191,20 @@ class Box:
         """
         if values is not self._values:
             self._set_buffer(values)
-        self._session.ask(messages.OBSERVE, self._body)
+        body = self._body if not self._cameras else b"".join((self._body, self._shown))
+        self._session.ask(messages.OBSERVE, body)
         return self._checked(messages.COMMAND, self._command, self._language.calls.step)
+
+    def show(self, images: Mapping[str, object]) -> None:
+        """Give a controller the newest images of its cameras, for the next `step` and on.
+
+        Parameters
+        ----------
+        images : camera -> (H, W) uint8, C-contiguous
+            Of all the cameras in the layout. Copied once, as for `start`.
+        """
+        put = self._images.put_of_camera
+        self._shown = b"".join(put(i, images[name]) for i, name in enumerate(self._cameras))
 
     def _set_buffer(self, values: Sequence[float]) -> None:
         """Check what observations come in; the bytes of a buffer follow its current values."""

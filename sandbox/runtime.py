@@ -22,7 +22,7 @@ class Runtime:
     command: tuple[str, ...]  # three numbers are appended: descriptor, processes, memory [MiB]
     environment: dict[str, str]
     mounts: tuple[BindMount, ...]
-    images: bool = False  # whether its programs can be given images: trackers and detectors
+    images: bool = False  # whether its programs can be given images
 
 
 def alternatives(libraries: Path = LIBRARIES) -> list[BindMount]:

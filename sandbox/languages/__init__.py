@@ -36,6 +36,17 @@ def role_refusal(name: str, role: str) -> str:
     return f"A {role} can be written in {labels}, but not in {known.label if known else name}."
 
 
+def images_refusal(name: str) -> str:
+    """Return why no controller in a language can be given images; empty if it can."""
+    if LANGUAGES[name].gets_images:
+        return ""
+    labels = ", ".join(each.label for each in LANGUAGES.values() if each.gets_images)
+    return (
+        "The setting images gives a controller images, which it can get in "
+        f"{labels}, but not in {LANGUAGES[name].label}. Set images to none."
+    )
+
+
 def kinds(names: Iterable[str]) -> str:
     """Return in words what a program in one of these languages is, such as: C or an FMU."""
     words = [LANGUAGES[name].described for name in names]

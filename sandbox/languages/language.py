@@ -68,6 +68,11 @@ class Language:
         return f"program{self.suffixes[0]}"
 
     @property
+    def gets_images(self) -> bool:
+        """Whether its programs can be given images: it can have a role that needs them."""
+        return self.roles != (CONTROLLER,)
+
+    @property
     def short_label(self) -> str:
         """The label without what is in brackets."""
         return self.label.partition(" (")[0]

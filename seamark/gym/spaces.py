@@ -1,19 +1,22 @@
 """Observation and action spaces of the station-keeping environments.
 
 An observation is the packed observation of a controller: `sim/control/observation.py` has names,
-units and meaning of its fields, and `named` returns them by name.
+units and meaning of its fields, and `named` returns them by name. With images it is a dict, of the
+packed observation as STATE and the newest image of each camera.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Dict
 from numpy.typing import DTypeLike, NDArray
 
 from seamark.sim.control.observation import (
     ARM_FIELDS,
     FIELDS,
+    IMAGE_FIELDS,
     PER_FEELER,
     PER_MOTOR,
     PER_THRUSTER,
@@ -22,11 +25,13 @@ from seamark.sim.control.observation import (
     joint_limits,
 )
 from seamark.sim.control.velocity_law import FASTEST_YAW_RAD_S
+from seamark.sim.engine.world import program_optics
 from seamark.sim.settings.arm import NO_ARM
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage_reading import load_linkage
 
+STATE, IMAGE = "state", "image_"  # keys of an observation with images; the camera's name follows
 VELOCITY, THRUSTERS = "velocity", "thrusters"
 ACTIONS = (VELOCITY, THRUSTERS)
 _UNBOUNDED = np.inf
@@ -44,21 +49,36 @@ _BOUNDS = {
     "target_age": (0.0, _UNBOUNDED),
     "velocity_valid": (0.0, 1.0),
     "touch": (0.0, 1.0),
+    "image_t": (0.0, _UNBOUNDED),
 }
 
 
-def named(observation: NDArray[np.float64], *, arm: str = NO_ARM) -> Observation:
+def named(
+    observation: NDArray[np.float64] | Mapping[str, NDArray[Any]], *, arm: str = NO_ARM
+) -> Observation:
     """Return an observation by name, as an uploaded controller gets it: `named(obs).error`.
 
     `arm` is the one that the vehicle carries, if any.
     """
     size = None if arm == NO_ARM else arm_size(load_linkage(arm))
-    return Observation(np.asarray(observation, dtype=np.float64), size)
+    images = None
+    if isinstance(observation, Mapping):
+        parts = observation
+        observation = parts[STATE]
+        images = {key.removeprefix(IMAGE): parts[key] for key in parts if key != STATE}
+    return Observation(np.asarray(observation, dtype=np.float64), size, images)
 
 
 def most_thrusters(config: StationKeepingSettings) -> int:
     """Return the number of thrusters of the vehicle; of several, that of the one with most."""
     return max(len(load(name).thrusters) for name in config.vehicles())
+
+
+def with_images(state: Box, config: StationKeepingSettings) -> Box | Dict:
+    """Return the space of observations, given that of packed ones."""
+    shapes = {name: (each.height, each.width) for name, each in program_optics(config).items()}
+    images = {IMAGE + name: Box(0, 255, shape, np.uint8) for name, shape in shapes.items()}
+    return Dict({STATE: state, **images}) if images else state
 
 
 def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.float64) -> Box:
@@ -67,7 +87,8 @@ def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.floa
     high: list[float] = []
     arm = config.chosen_arm()
     size = arm and arm_size(arm)
-    for name, count, _unit, _meaning in FIELDS + (ARM_FIELDS if size else ()):
+    further = (ARM_FIELDS if size else ()) + (IMAGE_FIELDS if config.cameras_of_program() else ())
+    for name, count, _unit, _meaning in FIELDS + further:
         numbers = most_thrusters(config) if count == PER_THRUSTER else max(count, 1)
         if size and count in {PER_MOTOR, PER_FEELER}:
             numbers = size.count(count)

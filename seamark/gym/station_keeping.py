@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from seamark.gym.episodes import Episode, Episodes
-from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
+from seamark.gym.spaces import (
+    IMAGE,
+    STATE,
+    THRUSTERS,
+    VELOCITY,
+    Actions,
+    observation_space,
+    with_images,
+)
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.control.observation import empty
@@ -27,7 +35,8 @@ from seamark.sim.recording.telemetry import (
 )
 from seamark.sim.vehicles import own
 
-Observation = NDArray[Any]  # float64, or float32 if the environment is made so
+Packed = NDArray[Any]  # float64, or float32 if the environment is made so
+Observation = Packed | dict[str, NDArray[Any]]
 REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
 JOINT_REFERENCE = slice(ARM_INDEX["joint_ref_0"], ARM_INDEX["joint_ref_0"] + ARM_JOINTS)
 TRUE_COLUMNS: dict[str, Any] = {  # name in `info` -> columns of the telemetry
@@ -53,7 +62,7 @@ class _Held:
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Do nothing: a policy is reset by who owns it."""
 
-    def step(self, values: Observation) -> Command:
+    def step(self, values: Packed) -> Command:
         """Return the action."""
         return self.command
 
@@ -73,7 +82,7 @@ class _ThrusterLoop(ClosedLoop):
         return self._pending.pop(0)
 
 
-class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
+class StationKeepingEnv(gymnasium.Env[Observation, Packed]):
     """One vehicle above its target.
 
     An episode is one level, truncated at its end. `reset(seed=N)` begins the run with seed N, the
@@ -124,7 +133,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
         space = observation_space(config, dtype)
         self._observed, self._dtype = space.shape, space.dtype
-        self.observation_space: gymnasium.Space[Any] = space
+        self.observation_space: gymnasium.Space[Any] = with_images(space, config)
         self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
         self.action_space: gymnasium.Space[Any] = self._actions.space
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
@@ -175,7 +184,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
             raise gymnasium.error.ResetNeeded("call reset() before step() and render()")
         return self._loop
 
-    def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Packed) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Simulate one control period.
 
         The reward is that of the state in which it ends: see `sim/engine/reward.py`. An episode is
@@ -192,7 +201,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         reward = float(reward_of(self._row, self._goal))
         return self._observation(), reward, False, self._step >= self._steps, self._truth()
 
-    def _hold(self, action: Observation) -> None:
+    def _hold(self, action: Packed) -> None:
         """Take an action for the next control step."""
         if action.shape != self.action_space.shape:
             raise ValueError(f"an action has shape {self.action_space.shape}, not {action.shape}")
@@ -209,13 +218,16 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         vehicle = len(values) - self._after_thrusts
         observation[:vehicle] = values[:vehicle]
         observation[len(observation) - self._after_thrusts :] = values[vehicle:]
-        return observation
+        if self._running.images is None:
+            return observation
+        newest = self._running.images.newest.items()
+        return {STATE: observation} | {IMAGE + name: image.copy() for name, image in newest}
 
     def _truth(self) -> dict[str, Any]:
         return truth_of(self._row)
 
     @property
-    def telemetry(self) -> Observation:
+    def telemetry(self) -> Packed:
         """The row of telemetry of the present state, without what follows from the next action."""
         row = self._row.copy()
         row[REFERENCE] = 0.0

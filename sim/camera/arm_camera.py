@@ -70,6 +70,10 @@ class ArmCamera(Camera):
         """Return a new image (H, W, 3) in blue, green, red; None without a camera on the arm."""
         return None if self._on_arm is None else self._on_arm.colour(self._placed(pose), frame)
 
+    def grey_on_arm(self, pose: Array, frame: int) -> NDArray[np.uint8] | None:
+        """Return a new image (H, W): the one that programs get; None without a camera there."""
+        return None if self._on_arm is None else self._on_arm.grey(self._placed(pose), frame)
+
     def _placed(self, pose: Array) -> Placed:
         return Placed(*self._posture.place(pose))
 

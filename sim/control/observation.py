@@ -47,8 +47,14 @@ ARM_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("wrist_torque", 3, "N m", "torque of the arm on its hand, axes of the force sensor"),
     ("touch", PER_FEELER, "", "1 for each part of the hand that touches something, else 0"),
 )
+# What follows where a program is given images (`Observation.images`).
+IMAGE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    ("image_t", 0, "s", "simulated time at which the newest images were taken"),
+)
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
+VEHICLE_CAMERA, ARM_CAMERA = "vehicle", "arm"
+Images = Mapping[str, NDArray[np.uint8]]  # camera -> its newest image (H, W), grey, read-only
 
 
 class ArmSize(NamedTuple):
@@ -67,23 +73,35 @@ def arm_size(arm: Linkage) -> ArmSize:
     return ArmSize(len(arm.motors()), len(arm.outer))
 
 
-def layout(vehicle: str, arm: Linkage | None = None) -> dict[str, Any]:
-    """Return how observations and commands of a vehicle are packed, as plain JSON values."""
+def _further(arm: ArmSize | None, *, images: bool) -> Iterator[tuple[str, int]]:
+    """Yield name and count of the fields that follow those of every vehicle."""
+    for name, of, _unit, _meaning in ARM_FIELDS if arm else ():
+        yield name, arm.count(of) if arm else 0
+    for name, count, _unit, _meaning in IMAGE_FIELDS if images else ():
+        yield name, count
+
+
+def layout(
+    vehicle: str,
+    arm: Linkage | None = None,
+    images: Mapping[str, tuple[int, int]] | None = None,
+) -> dict[str, Any]:
+    """Return how observations and commands of a vehicle are packed, as plain JSON values.
+
+    `images` are the cameras whose images a program is given, with height and width [px].
+    """
     thrusters = len(load(vehicle).thrusters)
     fields = [
         [name, thrusters if count == PER_THRUSTER else count]
         for name, count, _unit, _meaning in FIELDS
     ]
+    fields += map(list, _further(None if arm is None else arm_size(arm), images=bool(images)))
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
-    if arm is None:
-        return packed
-    size = arm_size(arm)
-    further = [[name, size.count(count)] for name, count, _unit, _meaning in ARM_FIELDS]
-    return packed | {
-        "observation": fields + further,
-        "command": [*COMMAND, *arm.motors()],
-        "joint_limits": joint_limits(arm),
-    }
+    if arm is not None:
+        packed |= {"command": [*COMMAND, *arm.motors()], "joint_limits": joint_limits(arm)}
+    if images:
+        packed |= {"images": [[camera, *size] for camera, size in images.items()]}
+    return packed
 
 
 def joint_limits(arm: Linkage) -> list[float]:
@@ -104,14 +122,13 @@ STARTS = _starts()  # name -> index of its first number
 
 
 @cache
-def _positions(arm: ArmSize | None) -> dict[str, int | slice]:
-    """Return name -> index of a single number, or slice of a vector; an arm's from the end."""
+def _positions(arm: ArmSize | None, *, images: bool) -> dict[str, int | slice]:
+    """Return name -> index of a single number, or slice of a vector; further ones from the end."""
     after = 0
     further: dict[str, int | slice] = {}
-    for name, of, _unit, _meaning in reversed(ARM_FIELDS if arm else ()):
-        count = arm.count(of) if arm else 0
-        further[name] = slice(-after - count, -after or None)
-        after += count
+    for name, count in reversed([*_further(arm, images=images)]):
+        further[name] = slice(-after - count, -after or None) if count else -after - 1
+        after += count or 1
     ends = {PER_THRUSTER: -after or None}
     own = {
         name: slice(STARTS[name], ends.get(count, STARTS[name] + count)) if count else STARTS[name]
@@ -120,9 +137,11 @@ def _positions(arm: ArmSize | None) -> dict[str, int | slice]:
     return own | dict(reversed(further.items()))
 
 
-def empty(thrusters: int, arm: ArmSize | None = None) -> NDArray[np.float64]:
+def empty(
+    thrusters: int, arm: ArmSize | None = None, *, images: bool = False
+) -> NDArray[np.float64]:
     """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
-    more = sum(arm.count(of) for _name, of, _unit, _meaning in ARM_FIELDS) if arm else 0
+    more = sum(count or 1 for _name, count in _further(arm, images=images))
     return np.zeros(STARTS["thrust"] + thrusters + more)
 
 
@@ -131,18 +150,26 @@ class Observation(Mapping[str, Any]):
 
     Numbers are floats, vectors are read-only arrays of float64, the fields in BOOLEANS are bool.
     `thrust` has one number per thruster of the vehicle. It copies the numbers, so that a
-    program may keep it.
+    program may keep it. `images` is there if the program is given images: camera -> image.
     """
 
-    __slots__ = ("_numbers", "_positions")
+    __slots__ = ("_images", "_numbers", "_positions")
 
-    def __init__(self, values: NDArray[np.float64], arm: ArmSize | None = None) -> None:
-        self._positions = _positions(arm)
+    def __init__(
+        self,
+        values: NDArray[np.float64],
+        arm: ArmSize | None = None,
+        images: Images | None = None,
+    ) -> None:
+        self._positions = _positions(arm, images=images is not None)
+        self._images = images
         self._numbers = values.copy()
         self._numbers.flags.writeable = False
 
-    def __getitem__(self, name: str) -> Any:  # float, bool or array, by the layout
+    def __getitem__(self, name: str) -> Any:  # float, bool, array or images, by the layout
         """Return a field by its name."""
+        if name == "images" and self._images is not None:
+            return self._images
         field = self._positions[name]
         if isinstance(field, slice):
             return self._numbers[field]
@@ -158,8 +185,10 @@ class Observation(Mapping[str, Any]):
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names in the order of the layout."""
-        return iter(self._positions)
+        yield from self._positions
+        if self._images is not None:
+            yield "images"
 
     def __len__(self) -> int:
         """Return the number of fields."""
-        return len(self._positions)
+        return len(self._positions) + (self._images is not None)

@@ -17,13 +17,12 @@ def _columns(name: str, count: int) -> slice:
 class ArmInLoop:
     """The arm of one level."""
 
-    def __init__(self, arm: Arm, observation: Array) -> None:
-        """Take the arm of a level, and the observation whose last fields are those of an arm."""
+    def __init__(self, arm: Arm, seen: Array) -> None:
+        """Take the arm of a level, and the part of the observation that is the arm's."""
         self._plant, self._sensors = arm.plant, arm.sensors
         motors, feelers = arm.size
-        measured = 3 * motors + 6
-        self._true = np.zeros(measured)
-        self._seen = observation[len(observation) - measured - feelers :]
+        self._true = np.zeros(3 * motors + 6)
+        self._seen = seen
         self._columns = [
             _columns("joint_0", motors),
             _columns("joint_speed_0", motors),

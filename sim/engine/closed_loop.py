@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from seamark.sim.control.observation import COMMAND, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
+from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
 from seamark.sim.engine.perception import (
     LevelConstants,
     Moving,
@@ -74,8 +75,11 @@ class ClosedLoop:
         self._thrusters = len(world.plant.vehicle.thrusters)
         self._contact_n = 0.0
         self._pose = np.zeros(6)
-        self.observation = empty(self._thrusters, world.arm.size if world.arm else None)
-        self._arm = ArmInLoop(world.arm, self.observation) if world.arm else None
+        size, cameras = world.arm.size if world.arm else None, config.cameras_of_program()
+        self.observation = empty(self._thrusters, size, images=bool(cameras))
+        of_arm = slice(len(empty(self._thrusters)), len(empty(self._thrusters, size)))
+        self._arm = ArmInLoop(world.arm, self.observation[of_arm]) if world.arm else None
+        self.images = ImagesInLoop(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
             trial=trial,
@@ -122,7 +126,11 @@ class ClosedLoop:
         if not self._world.plant.read_pose(self._pose):
             raise _invalid(self._start_s + step * self._dt, "the vehicle's state")
         self._track(step)
-        self._measure(step, self._start_s + step * self._dt, row)
+        t = self._start_s + step * self._dt
+        self._measure(step, t, row)
+        if self.images is not None:
+            self.images.step(Exposure(step, t, self.motion(), self._first_frame + step))
+            self.observation[-1] = self.images.t
 
     def act(self, step: int, row: Row) -> None:
         """Ask the program, complete the row, and advance the vehicle to the next control step.
@@ -134,6 +142,8 @@ class ClosedLoop:
         """
         if step == 0:
             self._reset()
+        if self.images is not None:
+            self.images.show_to(self._program)
         reference = self._program_step()
         row[_REFERENCE], row[STEP_US] = reference[:VEHICLE], self._step_us
         arrived = self._delayed.step(reference)

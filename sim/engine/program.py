@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim import registry
-from seamark.sim.control.observation import ArmSize, Observation
+from seamark.sim.control.observation import ArmSize, Images, Observation
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.settings.configuration import Configuration
 
@@ -75,6 +75,14 @@ class CameraProgram(Protocol):
 
 
 @runtime_checkable
+class ImageProgram(Protocol):
+    """A `Program` that is given images, where the settings ask for them."""
+
+    def show(self, images: Images) -> None:
+        """Take the newest images, before the `step` whose observation is the first with them."""
+
+
+@runtime_checkable
 class Autopilot(Protocol):
     """A `Program` that commands the thrusters itself, in place of the velocity controller."""
 
@@ -96,11 +104,17 @@ class BuiltIn:
         sees = reference and isinstance(self._controller, Oracle)
         self.oracle: Oracle | None = self._controller if sees else None
         self._arm = arm
+        self._images: Images | None = None
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Reset the controller."""
         self._controller.reset(level)
 
+    def show(self, images: Images) -> None:
+        """Take the newest images, which the controller finds in its observation."""
+        self._images = images
+
     def step(self, values: NDArray[np.float64]) -> Command:
         """Return the controller's command as floats: four, and perhaps the speeds of joints."""
-        return tuple(map(float, self._controller.step(Observation(values, self._arm))))
+        observation = Observation(values, self._arm, self._images)
+        return tuple(map(float, self._controller.step(observation)))

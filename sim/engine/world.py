@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.camera.arm_camera import ArmCamera
+from seamark.sim.camera.arm_camera import ON_ARM, ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
-from seamark.sim.control.observation import ArmSize, arm_size
+from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, ArmSize, arm_size
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
@@ -134,6 +134,13 @@ def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
         lettered=box.lettered,
     )
     return target, optics
+
+
+def program_optics(config: ExperimentSettings) -> dict[str, Optics]:
+    """Return the optics of each camera whose images a program is given, in their order."""
+    _target, optics = target_and_optics(config)
+    known = {VEHICLE_CAMERA: optics, ARM_CAMERA: ON_ARM}
+    return {camera: known[camera] for camera in config.cameras_of_program()}
 
 
 def build_camera(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:

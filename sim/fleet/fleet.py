@@ -32,6 +32,8 @@ def unsupported(config: StationKeepingSettings) -> str:
     """Return why a fleet cannot run a configuration; empty if it can."""
     if config.chosen_arm() is not None:
         return "a vehicle with an arm (arm) needs the single environment"
+    if config.cameras_of_program():
+        return "images of the cameras (images) need the single environment"
     if config.fault_thruster >= 0:
         return "thruster faults (fault_thruster) need the single environment"
     if config.seabed_relief_m:

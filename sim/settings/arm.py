@@ -1,7 +1,8 @@
-"""Settings of an arm: which one the vehicle carries, and how noisy its sensors are."""
+"""Settings of an arm: which one the vehicle carries, its sensors, and images for the program."""
 
 from functools import partial
 
+from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA
 from seamark.sim.recording.telemetry import ARM_COLUMNS, ARM_FEELERS, ARM_JOINTS
 from seamark.sim.registry import ARMS
 from seamark.sim.settings.current import CurrentSettings
@@ -13,6 +14,12 @@ from seamark.sim.vehicles.linkage_reading import load_linkage
 
 GROUP = "Arm"
 NO_ARM = "none"
+CAMERAS = {  # value of the setting -> cameras whose images a program is given
+    "none": (),
+    "vehicle": (VEHICLE_CAMERA,),
+    "arm": (ARM_CAMERA,),
+    "both": (VEHICLE_CAMERA, ARM_CAMERA),
+}
 _OF_JOINTS = ("joint", "joint_speed", "joint_ref", "joint_effort")
 arm_setting = partial(setting, group=GROUP, role="scenario")
 
@@ -35,10 +42,26 @@ class ArmSettings(ExperimentSettings, CurrentSettings):
         high=100,
         advanced=True,
     )
+    images: str = arm_setting(
+        "none",
+        title="Images for the program",
+        help="Which cameras' grey images a controller is given, ten times a second; they are as "
+        "late as those of the tracker.",
+        choices={
+            "none": "None",
+            "vehicle": "Camera of the vehicle",
+            "arm": "Camera on the arm",
+            "both": "Both cameras",
+        },
+    )
 
     def chosen_arm(self) -> Linkage | None:
         """Return the arm, if there is one; a stored run may name one that no longer exists."""
         return load_linkage(self.arm) if self.arm in ARMS else None
+
+    def cameras_of_program(self) -> tuple[str, ...]:
+        """Return the cameras whose images a controller is given."""
+        return CAMERAS.get(self.images, ())  # a stored run may have another value
 
     def unused_columns(self) -> frozenset[str]:
         """Return the columns of the arm too that it does not use."""
@@ -54,8 +77,13 @@ class ArmSettings(ExperimentSettings, CurrentSettings):
         """Return setting -> message for the rules between several settings."""
         errors: dict[str, str] = {}
         arm = self.chosen_arm()
+        if ARM_CAMERA in self.cameras_of_program() and (arm is None or arm.camera is None):
+            errors["images"] = (
+                "images (Images for the program): there is no camera on an arm. Choose an arm that "
+                "has one, or the camera of the vehicle alone."
+            )
         if arm is None:
-            return super().cross_field_errors()
+            return errors | super().cross_field_errors()
         without = [name for name in self.vehicles() if arm.name not in load(name).mounts]
         if without:
             errors["arm"] = (

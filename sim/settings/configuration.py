@@ -126,6 +126,10 @@ class Configuration(BaseModel, ABC):
         """Return after how many images the tracker of a level is started again; 0: never."""
         return 0
 
+    def cameras_of_program(self) -> tuple[str, ...]:
+        """Return the cameras whose images a controller is given; none unless overridden."""
+        return ()
+
     def custom_score(self) -> str:
         """Return the user's own expression over metrics; empty without one."""
         return str(getattr(self, "score", ""))

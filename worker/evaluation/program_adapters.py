@@ -14,6 +14,7 @@ from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome
 from seamark.sandbox.pool import Pool
 from seamark.sandbox.protocol.answers import Corners, Loss
+from seamark.sim.control.observation import Images
 from seamark.sim.engine.program import Command
 from seamark.sim.trackers import Track, Window
 from seamark.sim.trackers.template.warps import is_convex
@@ -34,6 +35,7 @@ class BoxLike(Protocol):
     ) -> None: ...
     def reset(self, level: Mapping[str, object]) -> None: ...  # noqa: D102
     def step(self, values: Any) -> Command: ...  # noqa: D102
+    def show(self, images: Images) -> None: ...  # noqa: D102
     def start(self, image: Any, corners: Any) -> None: ...  # noqa: D102
     def update(self, image: Any) -> Corners | Loss: ...  # noqa: D102
     def finish(self) -> Outcome: ...  # noqa: D102
@@ -54,6 +56,10 @@ class ControllerAdapter:
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Announce a level to the program; raises ProgramEnded."""
         self._box.reset(level)
+
+    def show(self, images: Images) -> None:
+        """Give the program the newest images; it sees them at the next step."""
+        self._box.show(images)
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Send the observation and return the checked answer; raises ProgramEnded."""

@@ -57,6 +57,7 @@ static const struct field FIELDS[] = {
     {"wrist_force", AT(wrist_force), 3, 0},
     {"wrist_torque", AT(wrist_torque), 3, 0},
     {"touch", AT(touch), SEAMARK_MOST_JOINTS, 0},
+    {"image_t", AT(image_t), 1, 0},
 };
 
 /* One field of the received layout: its numbers, and where they are copied to if it is known. */
@@ -79,6 +80,8 @@ static const unsigned char *images;
 static double target[8]; /* its last known corners */
 static int joints;       /* of the vehicle's arm */
 static double joint_limits[SEAMARK_MOST_JOINTS];
+static seamark_image *shown[2]; /* what becomes of a controller's images, in their order */
+static int shown_count;
 
 static void send_message(char type, const void *body, size_t size) {
     unsigned char message[HEADER_BYTES + MAX_ANSWER_BYTES] = {(unsigned char)type};
@@ -167,6 +170,15 @@ static void map_images(int descriptor, size_t bytes) {
     images = memory;
 }
 
+static void add_camera(const char *name) {
+    static seamark_image unknown; /* of a later version */
+    if (shown_count == 2) return;
+    shown[shown_count] = &unknown;
+    if (!strcmp(name, "vehicle")) shown[shown_count] = &observation.images.vehicle;
+    if (!strcmp(name, "arm")) shown[shown_count] = &observation.images.arm;
+    shown_count++;
+}
+
 /* Read the lines "NAME COUNT" of the layout; the last line is the configuration. */
 static void begin(const char *path) {
     char *line = NULL;
@@ -182,11 +194,12 @@ static void begin(const char *path) {
             joint_limits[joints++] = limit;
             continue;
         }
+        if (sscanf(line, "camera %63s", name) == 1) add_camera(name);
         if (sscanf(line, "%63s %d", name, &count) != 2 || copies_count == MAX_FIELDS) continue;
         if (!strcmp(name, "tracker") || !strcmp(name, "detector")) role = name[0];
         if (!strcmp(name, "images_descriptor")) descriptor = count;
         if (!strcmp(name, "images_bytes")) map_images(descriptor, (size_t)count);
-        if (role != 'c') continue;
+        if (role != 'c' || !strncmp(name, "images_", 7)) continue;
         if (!count) count = 1;
         copies[copies_count].field = known(name, count);
         copies[copies_count++].count = count;
@@ -196,6 +209,15 @@ static void begin(const char *path) {
     fclose(file);
     unlink(path);
     configuration = line;
+}
+
+static seamark_image image_of(const unsigned char *body) {
+    uint32_t words[4]; /* offset, height, width, channels */
+    seamark_image image;
+    memcpy(words, body, sizeof words);
+    image.pixels = images + words[0];
+    image.width = (int)words[2], image.height = (int)words[1], image.channels = (int)words[3];
+    return image;
 }
 
 static void observe(const unsigned char *from, size_t size) {
@@ -212,6 +234,10 @@ static void observe(const unsigned char *from, size_t size) {
             memcpy((char *)&observation + field->offset, from, bytes);
         }
         from += bytes;
+    }
+    for (int i = 0; i < shown_count; i++, from += 4 * sizeof(uint32_t)) {
+        if ((size_t)(end - from) < 4 * sizeof(uint32_t)) return;
+        *shown[i] = image_of(from);
     }
 }
 
@@ -246,15 +272,6 @@ static void step(size_t size) {
         give_up('p', sentence);
     }
     send_message('c', answer, (size_t)(4 + joints) * sizeof(double));
-}
-
-static seamark_image image_of(const unsigned char *body) {
-    uint32_t words[4]; /* offset, height, width, channels */
-    seamark_image image;
-    memcpy(words, body, sizeof words);
-    image.pixels = images + words[0];
-    image.width = (int)words[2], image.height = (int)words[1], image.channels = (int)words[3];
-    return image;
 }
 
 static void end_with_code(const char *function, int code) {

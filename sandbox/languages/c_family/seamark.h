@@ -17,6 +17,21 @@ extern "C" {
 
 enum { SEAMARK_MOST_JOINTS = 16 };
 
+/* A read-only image. The pixel of row y and column x is pixels[(y * width + x) * channels]. The image
+ * of an update stays valid during the next update, that of the start until the next start; that of a
+ * controller's camera until its next image but one. */
+typedef struct seamark_image {
+    const unsigned char *pixels; /* 0 to 255, row by row from the top, without padding */
+    int width, height;           /* [px] */
+    int channels;                /* 1 (grey) or 3 (red, green, blue) */
+} seamark_image;
+
+/* The newest images of a controller's cameras; pixels is NULL where none are asked for. */
+typedef struct seamark_images {
+    seamark_image vehicle; /* of the vehicle's camera, which looks down */
+    seamark_image arm;     /* of the camera on its arm */
+} seamark_images;
+
 /* The observation of one control step. It never contains ground truth. */
 typedef struct seamark_observation {
     double t;            /* [s] simulated time in the trial */
@@ -41,6 +56,9 @@ typedef struct seamark_observation {
     double wrist_force[3];                      /* [N] of the arm on its hand, axes of the sensor */
     double wrist_torque[3];                     /* [N m] of the same */
     double touch[SEAMARK_MOST_JOINTS];          /* 1 for each part of the hand that touches, else 0 */
+    /* With the setting `images`: */
+    double image_t;        /* [s] simulated time at which the newest images were taken */
+    seamark_images images; /* grey; all their cameras take them at once */
 } seamark_observation;
 
 /* The command: finite numbers of magnitude 1e6 at most. All are 0 before each step. */
@@ -60,14 +78,6 @@ typedef struct seamark_level {
     double dt;         /* [s] control period */
     double t;          /* [s] simulated time at its start */
 } seamark_level;
-
-/* A read-only image. The pixel of row y and column x is pixels[(y * width + x) * channels]. The image
- * of an update stays valid during the next update, that of the start until the next start. */
-typedef struct seamark_image {
-    const unsigned char *pixels; /* 0 to 255, row by row from the top, without padding */
-    int width, height;           /* [px] */
-    int channels;                /* 1 (grey) or 3 (red, green, blue) */
-} seamark_image;
 
 enum { SEAMARK_MOST_DETECTIONS = 64, SEAMARK_LABEL_BYTES = 65 };
 

@@ -19,7 +19,7 @@ from seamark.bridge.rosbridge.protocol import NS
 from seamark.bridge.rosbridge.server import Server, TcpAddress, serve_until
 from seamark.bridge.rosbridge.topics import Moment, Stamp
 from seamark.sim.camera.optics import Optics
-from seamark.sim.control.observation import Observation, arm_size
+from seamark.sim.control.observation import Images, Observation, arm_size
 from seamark.sim.engine.program import Command
 from seamark.sim.vehicles.linkage import Linkage
 
@@ -36,10 +36,16 @@ class RosProgram:
         self._level: Mapping[str, float | int] = {}
         self._begins = False
         self._camera: Callable[[], NDArray[np.uint8]] = lambda: np.zeros((0, 0, 3), np.uint8)
+        self._images: Images | None = None
+        self._new_images = False
 
     def look_through(self, camera: Callable[[], NDArray[np.uint8]]) -> None:
         """Take the function that renders an image."""
         self._camera = camera
+
+    def show(self, images: Images) -> None:
+        """Take the newest images."""
+        self._images, self._new_images = images, True
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Announce a level with its first observation."""
@@ -48,7 +54,7 @@ class RosProgram:
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Publish an observation and return the reference that answers it; raises ProgramEnded."""
-        seen = Observation(values, self._arm)
+        seen = Observation(values, self._arm, self._images)
         self._navigation.step(seen)
         now = Moment(
             step=round(seen.t / seen.dt),
@@ -60,8 +66,9 @@ class RosProgram:
             optics=self._optics,
             motors=self._motors,
             image=cache(self._camera),
+            new_images=self._new_images,
         )
-        self._begins = False
+        self._begins = self._new_images = False
         return self._bridge.wait_for(self._bridge.server.exchange(now))
 
 

@@ -19,12 +19,15 @@ from numpy.typing import NDArray
 from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.navigation import DeadReckoning
 from seamark.bridge.rosbridge.protocol import NS
+from seamark.sim.camera.arm_camera import ON_ARM
 from seamark.sim.camera.optics import Optics
-from seamark.sim.control.observation import Observation
+from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, Observation
 
 CAMERA, FORCE_SENSOR = "camera", "force_sensor"
+FRAMES = {VEHICLE_CAMERA: CAMERA, ARM_CAMERA: "arm_camera"}
 _UNKNOWN = [0.0] * 36  # a covariance, as nav_msgs says
 Message = dict[str, Any]
+Publishing = Callable[["Moment", "Dialect"], Message]
 
 
 class Ros(Enum):
@@ -68,11 +71,16 @@ class Moment:
     optics: Optics
     motors: tuple[str, ...]  # of the vehicle's arm
     image: Callable[[], NDArray[np.uint8]]  # (H, W, 3) blue, green, red
+    new_images: bool  # whether the observation is the first with its images
 
-    def header(self, to: Dialect, frame: str) -> Message:
-        """Return the header of a message in a frame."""
+    def header(self, to: Dialect, frame: str, stamp: Stamp | None = None) -> Message:
+        """Return the header of a message in a frame; of this moment, unless stamped."""
         numbered = {"seq": self.step} if to.ros is Ros.ONE else {}
-        return {**numbered, "stamp": self.stamp.of(to.ros), "frame_id": frame}
+        return {**numbered, "stamp": (stamp or self.stamp).of(to.ros), "frame_id": frame}
+
+    def image_header(self, to: Dialect, camera: str) -> Message:
+        """Return the header of what comes with the newest image of a camera."""
+        return self.header(to, FRAMES[camera], Stamp(round(self.seen.image_t * NS)))
 
 
 def _xyz(vector: Iterable[float]) -> Message:
@@ -91,28 +99,50 @@ def _original_level(now: Moment, to: Dialect) -> Message:
     return {"data": f"Updated scene {now.level['index']}"}
 
 
-def _image(now: Moment, to: Dialect) -> Message:
-    rgb = np.ascontiguousarray(now.image()[..., ::-1])
-    height, width, channels = rgb.shape
+def _pixels(header: Message, encoding: str, image: NDArray[np.uint8]) -> Message:
+    height, width = image.shape[:2]
     return {
-        "header": now.header(to, CAMERA),
+        "header": header,
         "height": height,
         "width": width,
-        "encoding": "rgb8",
+        "encoding": encoding,
         "is_bigendian": 0,
-        "step": width * channels,
-        "data": base64.b64encode(rgb.tobytes()).decode(),
+        "step": image.nbytes // height,
+        "data": base64.b64encode(image.tobytes()).decode(),
     }
 
 
-def _compressed_image(now: Moment, to: Dialect) -> Message:
-    _done, png = cv2.imencode(".png", now.image())
+def _png(header: Message, image: NDArray[np.uint8]) -> Message:
+    _done, png = cv2.imencode(".png", image)
     data = base64.b64encode(png.tobytes()).decode()
-    return {"header": now.header(to, CAMERA), "format": "png", "data": data}
+    return {"header": header, "format": "png", "data": data}
+
+
+def _image(now: Moment, to: Dialect) -> Message:
+    return _pixels(now.header(to, CAMERA), "rgb8", now.image()[..., ::-1])
+
+
+def _compressed_image(now: Moment, to: Dialect) -> Message:
+    return _png(now.header(to, CAMERA), now.image())
+
+
+def _grey(camera: str) -> Publishing:
+    return lambda now, to: _pixels(now.image_header(to, camera), "mono8", now.seen.images[camera])
+
+
+def _compressed_grey(camera: str) -> Publishing:
+    return lambda now, to: _png(now.image_header(to, camera), now.seen.images[camera])
 
 
 def _camera(now: Moment, to: Dialect) -> Message:
-    optics = now.optics
+    return _camera_info(now.header(to, CAMERA), now.optics, to)
+
+
+def _arm_camera(now: Moment, to: Dialect) -> Message:
+    return _camera_info(now.image_header(to, ARM_CAMERA), ON_ARM, to)
+
+
+def _camera_info(header: Message, optics: Optics, to: Dialect) -> Message:
     (u, v), f = optics.principal_px, optics.focal_px
     matrices = {
         "d": [0.0] * 5,
@@ -123,7 +153,7 @@ def _camera(now: Moment, to: Dialect) -> Message:
     if to.ros is Ros.ONE:
         matrices = {name.upper(): values for name, values in matrices.items()}
     return {
-        "header": now.header(to, CAMERA),
+        "header": header,
         "height": optics.height,
         "width": optics.width,
         "distortion_model": "plumb_bob",
@@ -229,12 +259,15 @@ class Topic:
     package: str
     kind: str
     meaning: str
-    message: Callable[[Moment, Dialect], Message]
+    message: Publishing
     at_levels: bool = False  # published only when a level begins
     of_arm: bool = False  # published only if the vehicle has an arm
+    camera: str = ""  # published only with new images of this camera
 
     def has_message(self, now: Moment) -> bool:
         """Return whether there is a message of a moment."""
+        if self.camera:
+            return now.new_images and self.camera in now.seen.images
         return (now.begins or not self.at_levels) and (bool(now.motors) or not self.of_arm)
 
     def type_in(self, ros: Ros) -> str:
@@ -267,6 +300,41 @@ TOPICS: Mapping[str, Topic] = {
     "/seamark/image": Topic("sensor_msgs", "Image", "image of the camera below, rgb8", _image),
     "/seamark/image/compressed": Topic(
         "sensor_msgs", "CompressedImage", "the same, as PNG", _compressed_image
+    ),
+    "/seamark/vehicle_camera/image": Topic(
+        "sensor_msgs",
+        "Image",
+        "with the setting `images`: what an uploaded controller gets of that camera, mono8",
+        _grey(VEHICLE_CAMERA),
+        camera=VEHICLE_CAMERA,
+    ),
+    "/seamark/vehicle_camera/image/compressed": Topic(
+        "sensor_msgs",
+        "CompressedImage",
+        "the same, as PNG",
+        _compressed_grey(VEHICLE_CAMERA),
+        camera=VEHICLE_CAMERA,
+    ),
+    "/seamark/arm_camera/camera_info": Topic(
+        "sensor_msgs",
+        "CameraInfo",
+        "with the setting `images`: focal length and size of the camera on the arm",
+        _arm_camera,
+        camera=ARM_CAMERA,
+    ),
+    "/seamark/arm_camera/image": Topic(
+        "sensor_msgs",
+        "Image",
+        "with the setting `images`: what an uploaded controller gets of that camera, mono8",
+        _grey(ARM_CAMERA),
+        camera=ARM_CAMERA,
+    ),
+    "/seamark/arm_camera/image/compressed": Topic(
+        "sensor_msgs",
+        "CompressedImage",
+        "the same, as PNG",
+        _compressed_grey(ARM_CAMERA),
+        camera=ARM_CAMERA,
     ),
     "/seamark/pose": Topic(
         "geometry_msgs", "PoseStamped", "pose by dead reckoning since the level began", _pose

@@ -91,7 +91,7 @@ def _install() -> dict[str, Any]:
 
 def _controller() -> dict[str, Any]:
     return {
-        "observation": (*observation.FIELDS, *observation.ARM_FIELDS),
+        "observation": (*observation.FIELDS, *observation.ARM_FIELDS, *observation.IMAGE_FIELDS),
         "per": {
             observation.PER_THRUSTER: "thruster",
             observation.PER_MOTOR: "joint with a motor",

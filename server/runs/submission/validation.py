@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from seamark.programs import configurations
 from seamark.programs.configurations import RunConfiguration
 from seamark.programs.parameters import Parameter
-from seamark.sandbox.languages import role_refusal
+from seamark.sandbox.languages import images_refusal, role_refusal
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.programs import vehicles
 from seamark.server.programs.store import StoredProgram
@@ -118,6 +118,7 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
         _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         check_language(benchmark, submission.program.language)
+        _check_images(config, submission.program.language)
     size = run_size.estimate(
         config,
         trials=trials,
@@ -157,6 +158,11 @@ def check_language(benchmark: Benchmark, language: str) -> None:
     if refusal := role_refusal(language, benchmark.role):
         sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
         raise SubmissionRejected(sentence, field="program")
+
+
+def _check_images(config: Configuration, language: str) -> None:
+    if config.cameras_of_program() and (refusal := images_refusal(language)):
+        raise SubmissionRejected(refusal, field="images")
 
 
 def _ranked_trials(submission: Submission, benchmark: Benchmark) -> int:

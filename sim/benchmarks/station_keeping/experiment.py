@@ -20,6 +20,7 @@ from seamark.sim.engine.world import (
     build_world,
     configured_water,
     draw_noise_seed,
+    program_optics,
     target_and_optics,
 )
 from seamark.sim.metrics.metric import Absent, LevelMetric, over_run
@@ -52,7 +53,9 @@ class StationKeeping(Generic[Settings]):
 
     def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
-        return {"role": "controller"} | layout(config.vehicle, config.chosen_arm())
+        optics = program_optics(config)
+        images = {camera: (each.height, each.width) for camera, each in optics.items()}
+        return {"role": "controller"} | layout(config.vehicle, config.chosen_arm(), images)
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
         """Return the conditions of a trial: nominal, unless overridden."""

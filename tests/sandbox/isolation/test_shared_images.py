@@ -11,8 +11,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.sandbox.isolation.shared_images import MAX_IMAGE_BYTES, SLOTS, SharedImages
+from seamark.sandbox.isolation.shared_images import (
+    MAX_CAMERA_IMAGE_BYTES,
+    MAX_CAMERAS,
+    MAX_IMAGE_BYTES,
+    SLOTS,
+    SharedImages,
+)
 from seamark.sandbox.languages.inside.wire import IMAGE
+from seamark.sim import registry
+from seamark.sim.settings.setting import limits_of
 
 SIZE = SLOTS * MAX_IMAGE_BYTES
 ATTACKS = """
@@ -109,6 +117,46 @@ def test_an_image_lies_where_the_message_says_and_keeps_those_that_must_stay(ima
         for offset, kept in [*([first] if first else []), *updates]:
             assert reading[offset : offset + len(kept)] == kept
     reading.close()
+    memory.close()
+
+
+@given(
+    images=st.lists(
+        st.tuples(st.integers(0, MAX_CAMERAS - 1), st.integers(1, 9), st.integers(1, 9)),
+        max_size=12,
+    )
+)
+def test_an_image_of_a_camera_stays_until_the_next_but_one_of_that_camera(images) -> None:
+    memory = SharedImages()
+    reading = mmap.mmap(memory.descriptor, SIZE, prot=mmap.PROT_READ)
+    kept: dict[int, list[tuple[int, bytes]]] = {}
+    for number, (camera, height, width) in enumerate(images):
+        image = bytes([number + 1]) * (height * width)
+        put = memory.put_of_camera(camera, memoryview(image).cast("B", (height, width)))
+        offset, *shape = IMAGE.unpack(put)
+        assert shape == [height, width, 1]
+        kept[camera] = [*kept.get(camera, [])[-1:], (offset, image)]
+        for at, content in [one for both in kept.values() for one in both]:
+            assert reading[at : at + len(content)] == content
+    reading.close()
+    memory.close()
+
+
+def test_the_largest_image_of_a_camera_fits_and_a_larger_one_is_refused() -> None:
+    fields = registry.benchmark("currents-v2").configuration.model_fields
+    width, height = (
+        limits_of(fields[f"camera_{side}_px"])["maximum"] for side in ("width", "height")
+    )
+    memory = SharedImages()
+    last = MAX_CAMERAS - 1
+
+    largest = memoryview(bytes(width * height)).cast("B", (height, width))
+    for _ in range(2):
+        offset, *_shape = IMAGE.unpack(memory.put_of_camera(last, largest))
+        assert offset + width * height <= SIZE
+    size = MAX_CAMERA_IMAGE_BYTES + 1
+    with pytest.raises(ValueError, match="bytes"):
+        memory.put_of_camera(0, memoryview(bytes(size)).cast("B", (1, size)))
     memory.close()
 
 

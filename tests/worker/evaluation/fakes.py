@@ -44,6 +44,8 @@ class FakeBox:
         self.steps += 1
         return self.command
 
+    def show(self, images: Any) -> None: ...
+
     def start(self, image: Any, corners: Any) -> None: ...
 
     def update(self, image: Any) -> Corners | Loss:

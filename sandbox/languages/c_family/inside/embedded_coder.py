@@ -22,6 +22,7 @@ OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     "thrust": 8,
     **{"joints": MAX_JOINTS, "joint_speeds": MAX_JOINTS, "joint_efforts": MAX_JOINTS},
     **{"wrist_force": 3, "wrist_torque": 3, "touch": MAX_JOINTS},
+    "image_t": 0,
 }
 ARM = "arm"  # an output with the speeds of an arm's joints
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)

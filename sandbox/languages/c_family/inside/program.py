@@ -21,10 +21,11 @@ START_FILE = "/tmp/begin"  # noqa: S108  (read and removed by the runner)
 def start(connection: Connection) -> "NoReturn":
     """Become the program; layout and configuration are in a file."""
     header, program = connection.program()
-    images = header.get("images")  # of a tracker or detector
+    images = header.get("images")  # of a tracker or detector, or of a controller that gets them
     connection.close_others(*([images["descriptor"]] if images else []))
     lines = [f"{name} {count}" for name, count in layout_of(header)]
     lines += [f"joint_limit {limit!r}" for limit in header["layout"].get("joint_limits", ())]
+    lines += [f"camera {name} {h} {w}" for name, h, w in header["layout"].get("images", ())]
     write(START_FILE, "\n".join([*lines, json.dumps(header["config"])]).encode("ascii"), 0o600)
     write(PROGRAM, program, 0o700)
     arguments = [str(connection.descriptor), str(connection.sequence), START_FILE]
@@ -43,14 +44,17 @@ def write(path: str, data: bytes, mode: int) -> None:
 def layout_of(header: "dict[str, Any]") -> Iterator[tuple[str, int]]:
     """Yield the names and counts that a program reads first; keep the images' descriptor open.
 
-    A controller gets the layout of its observation; the others their role and the images' memory.
+    A controller gets the layout of its observation; the others their role. The images' memory
+    follows where there is one.
     """
     role, images = header["layout"].get("role", "controller"), header.get("images")
-    if images is None:
+    if role == "controller":
         yield from header["layout"]["observation"]
+    else:
+        yield role, 0
+    if images is None:
         return
     os.set_inheritable(images["descriptor"], True)
-    yield role, 0
     yield "images_descriptor", images["descriptor"]
     yield "images_bytes", images["bytes"]
 

@@ -7,7 +7,8 @@ Octave first receives a text in its own language (the configuration, and how to 
 of numbers): its size as one float64, then the text. Then, for each request, one float64 with the
 message type and as many as an observation has. A level is the size of a text, then the text. A
 request with an image has height, width, channels and corners instead of an observation, then the
-image's bytes: Octave cannot map memory.
+image's bytes: Octave cannot map memory. The observation of a controller that gets images ends with
+1 if the bytes of new ones follow, of one camera after the other, else with 0.
 Octave answers with five float64: a command, of which the speeds of an arm's joints follow; or an
 error with the sizes of its two texts; or the number of float64 that follow: corners or detections.
 """
@@ -51,13 +52,16 @@ def relay(connection: Connection) -> NoReturn:
     names = _write_program(str(header["filename"]), source)
     images = _mapped(connection, header)
     observation = header["layout"].get("observation", ())
-    floats = sum(count or 1 for _, count in observation) if images is None else IMAGE_REQUEST_FLOATS
+    cameras, seen = len(header["layout"].get("images", ())), b""
+    floats = sum(count or 1 for _, count in observation) + bool(cameras) or IMAGE_REQUEST_FLOATS
     _send_text(octave_setup(header, names, floats))
     joints = len(command_names(header["layout"])) - 4
     _relay_answer(connection, joints)
     while True:
         message_type, body = connection.receive()
-        if message_type == b"O":
+        if message_type == b"O" and images is not None:
+            seen = _relay_observation(body, cameras, images, seen)
+        elif message_type == b"O":
             _write(NUMBER.pack(ord("O")) + body)
         elif message_type in b"TUD" and images is not None:
             _relay_image(message_type, body, images)
@@ -73,7 +77,7 @@ def relay(connection: Connection) -> NoReturn:
 
 
 def _mapped(connection: Connection, header: dict[str, Any]) -> mmap.mmap | None:
-    """Return the memory of the images; None for a controller, which has none."""
+    """Return the memory of the images; None for a program that gets none."""
     description = header.get("images")
     if description is None:
         connection.close_others()
@@ -90,6 +94,21 @@ def _relay_image(message_type: bytes, body: bytes, images: mmap.mmap) -> None:
     offset, *shape = IMAGE.unpack_from(body)
     corners = body[IMAGE.size :].ljust(CORNERS * NUMBER.size, b"\0")
     _write(NUMBER.pack(ord(message_type)) + struct.pack("<3d", *shape) + corners)
+    _write_pixels(images, offset, *shape)
+
+
+def _relay_observation(body: bytes, cameras: int, images: mmap.mmap, seen: bytes) -> bytes:
+    """Relay an observation with its images, unless they are `seen`; return where they are."""
+    numbers = len(body) - cameras * IMAGE.size
+    shown = body[numbers:]
+    _write(NUMBER.pack(ord("O")) + body[:numbers] + NUMBER.pack(shown != seen))
+    if shown != seen:
+        for image in IMAGE.iter_unpack(shown):
+            _write_pixels(images, *image)
+    return shown
+
+
+def _write_pixels(images: mmap.mmap, offset: int, *shape: int) -> None:
     height, width, channels = shape
     with memoryview(images) as memory:
         _write(memory[offset : offset + height * width * channels])
@@ -120,6 +139,8 @@ def octave_setup(header: dict[str, Any], names: tuple[str, str], floats: int) ->
         taken = f"v({at}:{at + count - 1})" if count else f"v({at})"
         fields.append(f"'{name}', {taken}{' != 0' if name in booleans else ''}")
         at += count or 1
+    cameras = [name for name, *_size in layout.get("images", ())]
+    sizes = [size for _name, *size in layout.get("images", ())]
     return (
         f"filename = {octave_value(names[0])};\n"
         f"main_file = {octave_value(names[1])};\n"
@@ -128,6 +149,8 @@ def octave_setup(header: dict[str, Any], names: tuple[str, str], floats: int) ->
         f"limits = {octave_value(list(command_limits(layout)))};\n"
         f"config = {octave_value(header['config'])};\n"
         f"observe = @(v) struct({', '.join(fields)});\n"
+        f"cameras = {octave_value(cameras) if cameras else '{}'};\n"
+        f"sizes = [{'; '.join(octave_value(size) for size in sizes)}];\n"
     )
 
 

@@ -7,7 +7,8 @@ function seamark_serve(relay)
     [to, from] = popen2(relay{1}, relay(2:end));
     fcntl(from, F_SETFL, 0);  % popen2 makes it non-blocking
     text = fread(from, fread(from, 1, "double"), "char=>char")';
-    eval(text);  % filename, main_file, role, floats, config and observe
+    eval(text);  % filename, main_file, role, floats, config, observe, cameras and sizes
+    images = struct();
     stage = "reading";
     state = [];
     try
@@ -38,10 +39,17 @@ function seamark_serve(relay)
             end
             if data(1) == 79  % O
                 stage = "controller_step";
+                observation = observe(data(2:end));
+                if ! isempty(cameras)
+                    for k = 1:numel(cameras) * data(end)
+                        images.(cameras{k}) = seamark_image(from, [0, sizes(k, :), 1]);
+                    end
+                    observation.images = images;
+                end
                 if with_state
-                    [command, state] = controller_step(state, observe(data(2:end)));
+                    [command, state] = controller_step(state, observation);
                 else
-                    command = controller_step(state, observe(data(2:end)));
+                    command = controller_step(state, observation);
                 end
                 if isnumeric(command) && numel(command) == 4
                     command = [command(:)', zeros(1, numel(limits) - 4)]; % the joints of an arm rest

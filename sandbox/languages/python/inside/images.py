@@ -31,9 +31,9 @@ class Images:
         self._memory = mmap.mmap(descriptor, description["bytes"], prot=mmap.PROT_READ)
         os.close(descriptor)
 
-    def image(self, body: bytes) -> NDArray[np.uint8]:
-        """Return the image of a message, read-only, without a copy."""
-        offset, height, width, channels = IMAGE.unpack_from(body)
+    def image(self, body: bytes, at: int = 0) -> NDArray[np.uint8]:
+        """Return the image that a message has at some byte, read-only, without a copy."""
+        offset, height, width, channels = IMAGE.unpack_from(body, at)
         shape = (height, width) if channels == 1 else (height, width, channels)
         flat = np.frombuffer(self._memory, np.uint8, height * width * channels, offset)
         return flat.reshape(shape)

@@ -122,12 +122,12 @@ class Runner:
         """Prepare for the program's role; close the descriptors that it does not need."""
         layout = header["layout"]
         self.role = ROLES[layout.get("role", "controller")]
-        set_layout(layout)
         self.command = names = command_names(layout)
         if len(names) > VEHICLE:
             self.role = self.role._replace(answer=answer_with_arm(names))
         if "images" in header:
             self.images = Images(header["images"])
+        set_layout(layout, self.images)
         self.connection.close_others()
 
     def construct(self, module: types.ModuleType, config: dict[str, object]) -> Any:
@@ -145,7 +145,7 @@ class Runner:
 
     def serve(self) -> None:
         """Answer request after request."""
-        if self.images is None:
+        if self.role.class_name == "Controller":
             self.control()
         send = self.connection.send
         while True:

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ...inside.wire import HEADER, MAX_VALUE, command_limits, command_names
+from ...inside.wire import HEADER, IMAGE, MAX_VALUE, command_limits, command_names
 
 NUMBER = struct.Struct("<d")
 FLOAT64 = np.float64
@@ -40,6 +40,14 @@ KeyMissing.__name__ = KeyMissing.__qualname__ = "KeyError"
 KeyMissing.__module__ = "builtins"
 
 
+class ByCamera(dict):  # type: ignore[type-arg]
+    """The newest images: a dict that says which cameras there are."""
+
+    def __missing__(self, key: object) -> NoReturn:
+        """Refuse a camera that is none, and name those that are."""
+        raise KeyMissing(missing("images", key, self))
+
+
 class Configuration(dict):  # type: ignore[type-arg]
     """The settings of the run, as a program gets them: a dict that says which keys it has."""
 
@@ -56,8 +64,8 @@ def missing(what: str, key: object, known: Iterable[str]) -> str:
 class Observation(Mapping):  # type: ignore[type-arg]
     """The vehicle's measurements: `observation.depth` or `observation["depth"]`, read-only.
 
-    Numbers are float or bool, vectors are read-only NumPy arrays. Each field is a property, which
-    takes a third of the time of `__getattr__`.
+    Numbers are float or bool, vectors and images are read-only NumPy arrays. Each field is a
+    property, which takes a third of the time of `__getattr__`.
     """
 
     __slots__ = ("_cache", "_data")
@@ -110,8 +118,11 @@ set_cache: Callable[[Observation, dict[str, object]], None]
 set_cache = Observation._cache.__set__  # type: ignore[attr-defined]
 
 
-def set_layout(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
-    """Set where each field of an observation is in its message, and what a command has."""
+def set_layout(layout: dict[str, list], memory: Any = None) -> None:  # type: ignore[type-arg]
+    """Set where each field of an observation is in its message, and what a command has.
+
+    `memory` are the `Images` of a program that is given some.
+    """
     offset = HEADER.size
     booleans = set(layout.get("booleans", ()))
     for name, count in layout.get("observation", ()):
@@ -119,6 +130,9 @@ def set_layout(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
         Observation._fields[name] = read
         setattr(Observation, name, property(read))
         offset += 8 * (count or 1)
+    if cameras := [name for name, *_size in layout.get("images", ())]:
+        Observation._fields["images"] = read = _images(cameras, offset, memory)
+        setattr(Observation, "images", property(read))  # noqa: B010  (as above)
     COMMAND_NAMES[VEHICLE:] = [f"the joint {name}" for name in command_names(layout)[VEHICLE:]]
     LIMITS[VEHICLE:] = command_limits(layout)[VEHICLE:]
 
@@ -129,6 +143,19 @@ def _vector(name: str, offset: int, count: int) -> Callable[[Observation], objec
         if name not in cache:
             cache[name] = np.frombuffer(observation._data, FLOAT64, count, offset)
         return cache[name]
+
+    return read
+
+
+def _images(cameras: list[str], offset: int, memory: Any) -> Callable[[Observation], object]:
+    places = {name: offset + IMAGE.size * number for number, name in enumerate(cameras)}
+
+    def read(observation: Observation) -> object:
+        cache, data = observation._cache, observation._data
+        if "images" not in cache:
+            newest = {name: memory.image(data, at) for name, at in places.items()}
+            cache["images"] = ByCamera(newest)
+        return cache["images"]
 
     return read
 

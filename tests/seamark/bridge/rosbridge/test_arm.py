@@ -1,11 +1,12 @@
 """A program behind a bridge moves an arm, and gets what it feels."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
 
+from seamark.worker.ipc.outcomes import RunOutcome
 from tests.seamark.bridge.conftest import Running
 from tests.seamark.bridge.rosbridge.conftest import WITH_ARM, Bridged, Open
 from tests.sim.engine.test_arm import Moving
@@ -20,23 +21,32 @@ def publish_speeds(bridged: Bridged, speeds: list[float]) -> Any:
     return client
 
 
-@pytest.mark.slow
-def test_the_speeds_of_joints_go_with_each_reference_from_then_on(open_bridge: Open) -> None:
-    direct = Running(Moving((SURGE, 0.0, 0.0, 0.0, *SPEEDS)), **WITH_ARM).outcome()
+def moved(
+    open_bridge: Open, topics: Iterable[str], **settings: Any
+) -> tuple[RunOutcome, list[dict[str, Any]]]:
+    """Run a program that always sends the same speeds; return how, and what it was sent."""
     bridged = open_bridge(joints=len(SPEEDS))
     client = publish_speeds(bridged, SPEEDS)
-    for topic in ("/seamark/joint_states", "/seamark/wrench", "/seamark/touch", "/seamark/error"):
+    for topic in (*topics, "/seamark/error"):
         client.subscribe(topic)
-    running = bridged.start(**WITH_ARM)
-
+    running = bridged.start(**WITH_ARM | settings)
     with ThreadPoolExecutor(1) as pool:
         answering = pool.submit(client.answer_all, "/seamark/error", lambda _message: SURGE)
         outcome = running.outcome()
         bridged.bridge.publish_result("{}")
         answering.result()
+    return outcome, client.others
+
+
+@pytest.mark.slow
+def test_the_speeds_of_joints_go_with_each_reference_from_then_on(open_bridge: Open) -> None:
+    direct = Running(Moving((SURGE, 0.0, 0.0, 0.0, *SPEEDS)), **WITH_ARM).outcome()
+
+    topics = ("/seamark/joint_states", "/seamark/wrench", "/seamark/touch")
+    outcome, messages = moved(open_bridge, topics)
 
     assert (outcome.failure, outcome.digest) == (None, direct.digest)
-    by_topic: dict[str, Mapping[str, Any]] = {one["topic"]: one["msg"] for one in client.others}
+    by_topic: dict[str, Mapping[str, Any]] = {one["topic"]: one["msg"] for one in messages}
     joints = by_topic["/seamark/joint_states"]
     assert joints["name"] == ["shoulder", "upper arm", "forearm", "wrist", "jaw port"]
     assert joints["velocity"][0] == pytest.approx(0.3, abs=0.05)

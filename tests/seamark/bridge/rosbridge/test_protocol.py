@@ -130,7 +130,7 @@ def test_the_type_of_a_subscription_chooses_the_version_of_ros(
     open_bridge: Open, separator: str, seconds: str, rest: str
 ) -> None:
     bridged = open_bridge(joints=5)
-    running = bridged.start(**WITH_ARM)
+    running = bridged.start(**WITH_ARM, images="both")
     client = bridged.client()
 
     for name, topic in TOPICS.items():

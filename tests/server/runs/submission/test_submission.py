@@ -1,4 +1,5 @@
 import time
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ from seamark.server.storage import installation
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from tests.cast import Backend
+from tests.sandbox import host_compiler
 
 
 def _worker(both: Backend, level: str, *languages: str, seen_at: float | None = None) -> None:
@@ -156,6 +158,19 @@ def test_a_language_that_no_worker_has_is_refused(both: Backend) -> None:
 
     with pytest.raises(SubmissionRejected, match="programs in Python"):
         both.queue("ann", controller="upload", program=both.store_program())
+
+
+def test_a_controller_that_cannot_get_images_is_refused_them_by_field(
+    both: Backend, tmp_path: Path
+) -> None:
+    program = both.store_program(host_compiler.fmu("fmi2", tmp_path), "pi.fmu")
+    run: dict[str, Any] = {"benchmark": "currents-v2", "controller": "upload", "program": program}
+
+    with pytest.raises(SubmissionRejected, match="not in FMU") as refusal:
+        both.queue("ann", config={"images": "vehicle"}, **run)
+
+    assert refusal.value.field == "images"
+    assert both.queue("ann", config={"images": "none"}, **run)
 
 
 def test_a_rerun_is_a_new_run_of_the_same_submission(both: Backend) -> None:
