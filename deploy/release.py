@@ -15,9 +15,6 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-from cyclonedx.schema import SchemaVersion
-from cyclonedx.validation.json import JsonStrictValidator
-
 ROOT = Path(__file__).resolve().parents[1]
 OF_SERVICE = (
     *("--frozen", "--no-dev", "--extra", "server", "--extra", "pybullet"),
@@ -76,6 +73,10 @@ def _uv() -> str:
 
 def build(release: str) -> None:
     """Write wheels, source archive, bill of materials and checksums into dist/."""
+    # Here: it builds 39 parsers, for which --check and --sbom would wait a second.
+    from cyclonedx.schema import SchemaVersion  # noqa: PLC0415
+    from cyclonedx.validation.json import JsonStrictValidator  # noqa: PLC0415
+
     dist = ROOT / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     subprocess.run([_uv(), "build", "--quiet", "--out-dir", str(dist)], cwd=ROOT, check=True)

@@ -24,7 +24,7 @@ from seamark.server.settings import Settings
 from seamark.sim import vehicles
 from seamark.sim.vehicles import own
 from tests.cast import Backend
-from tests.services import compiled_once, postgres, s3, scratch, tables, valkey
+from tests.services import compiled_once, postgres, s3, scratch, tables, uploads, valkey
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -39,6 +39,7 @@ hypothesis_settings.register_profile(
 )
 hypothesis_settings.load_profile("patient")
 compiled_once.share()
+uploads.read_without_spare()
 scratch.use_memory()
 # Hashing a password is dear on purpose; only tests of that hash as the service does.
 QUICK_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)

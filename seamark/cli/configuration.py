@@ -50,7 +50,7 @@ def configuration_of(name: str, file: Path | None, pairs: Sequence[str]) -> Conf
     UsageRefused
         There is no such benchmark, or a setting is invalid.
     """
-    from seamark.sim.settings.configuration import ConfigurationInvalid
+    from seamark.sim.settings.refusal import ConfigurationInvalid
 
     benchmark = benchmark_of(name)
     try:
@@ -70,7 +70,7 @@ def run_configuration_of(
         There is no such benchmark, or a setting or parameter is invalid.
     """
     from seamark.programs import configurations
-    from seamark.sim.settings.configuration import ConfigurationInvalid
+    from seamark.sim.settings.refusal import ConfigurationInvalid
 
     benchmark = benchmark_of(name)
     declared: Sequence[Parameter] = ()

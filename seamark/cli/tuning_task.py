@@ -16,8 +16,8 @@ from seamark.failures import UsageRefused
 from seamark.programs import configurations, parameters
 from seamark.programs.setting_values import in_effect
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.position_controllers import UPLOAD
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.tuning.candidates import Evaluator
 from seamark.tuning.history import History
 from seamark.tuning.methods import Method, method_of

@@ -36,7 +36,7 @@ from seamark.sim.metrics.metric import LevelMetric, over_run
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import INDEX, Rows, digest
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 

@@ -7,7 +7,8 @@ from typing import Any
 from seamark.programs import parameters
 from seamark.programs.parameters import Parameter, Value
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 
 @dataclass(frozen=True, slots=True)

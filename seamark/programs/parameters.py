@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 from seamark.sandbox.languages import LANGUAGES
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 KEY = "parameters"  # in a stored configuration; no benchmark has a setting of this name
 COUNT_MAX = 64  # of one program

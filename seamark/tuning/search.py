@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.tuning.candidates import DEFAULTS, Candidate, Evaluated, Evaluator, Order
 from seamark.tuning.history import History
 from seamark.tuning.methods import Method

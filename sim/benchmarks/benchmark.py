@@ -7,7 +7,8 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup, over_whole_run
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, schema_of
+from seamark.sim.settings.configuration import Configuration, schema_of
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import schema_extras
 
 if TYPE_CHECKING:

@@ -19,6 +19,7 @@ from pydantic_core import ErrorDetails
 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.score_expression import ExpressionInvalid, check
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import (
     allowed_values,
     group_of,
@@ -32,19 +33,6 @@ _DECIMAL_COMMA = re.compile(r"\s*(-?\d+),(\d+)\s*")
 _ADAPTERS: dict[object, TypeAdapter[Any]] = {
     annotation: TypeAdapter(annotation) for annotation in (bool, int, float, str, tuple[float, ...])
 }
-
-
-class ConfigurationInvalid(Exception):
-    """Values that break the rules of a benchmark. The messages are written for the user.
-
-    Attributes
-    ----------
-    errors : dict of setting -> message
-    """
-
-    def __init__(self, errors: Mapping[str, str]) -> None:
-        super().__init__(" ".join(errors.values()))
-        self.errors = dict(errors)
 
 
 class Configuration(BaseModel, ABC):

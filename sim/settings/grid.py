@@ -12,7 +12,8 @@ from itertools import product
 from typing import Any, Self
 
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import setting
 
 MAX_POINTS = 60

@@ -12,8 +12,6 @@ import zipfile
 
 import pytest
 import trove_classifiers
-from cyclonedx.schema import SchemaVersion
-from cyclonedx.validation.json import JsonStrictValidator
 
 from deploy.hatch_hooks import readme_for_registry
 from seamark.server.web.own_wheel import TAGS, OwnWheel, file_name
@@ -33,6 +31,10 @@ def bill(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.mark.slow
 def test_the_bill_of_materials_has_the_schema_of_cyclonedx(bill: str) -> None:
+    # Here: it builds 39 parsers, which every process that collects the tests would do.
+    from cyclonedx.schema import SchemaVersion
+    from cyclonedx.validation.json import JsonStrictValidator
+
     whole = json.loads(bill)
     few = whole | {"components": whole["components"][:2], "dependencies": []}  # all take a minute
 

@@ -5,17 +5,17 @@ import sys
 
 import pytest
 
-HEAVY = {"numpy", "numba", "cv2", "scipy", "pyarrow", "seamark.sim.camera"}
+HEAVY = {"numpy", "numba", "cv2", "scipy", "pyarrow", "pydantic", "seamark.sim.camera"}
 
 
 @pytest.mark.parametrize(
     ("module", "heavy"),
     [
-        ("seamark.server.app", "numpy"),
+        ("seamark.server.app", "numpy pydantic"),
         ("seamark.server.programs.reader_process", ""),
     ],
 )
-def test_the_service_starts_without_the_simulator_and_an_upload_is_read_without_numpy(
+def test_the_service_starts_without_the_simulator_and_an_upload_is_read_without_libraries(
     module: str, heavy: str
 ) -> None:
     program = f"import sys, {module}; print(*sorted({HEAVY} & set(sys.modules)))"

@@ -20,7 +20,7 @@ from seamark.server.runs.record.seeds import SeedsMissing
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 from seamark.server.storage import storage
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.ipc.outcomes import RunOutcome, no_longer_valid
 from seamark.worker.service.live_states import LivePublisher

@@ -21,7 +21,7 @@ from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import own
 from seamark.sim.vehicles.reading import VehicleInvalid
 from seamark.worker.evaluation.bridged import evaluate_bridged

@@ -131,7 +131,7 @@ def _computed(
     from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sim.recording.telemetry import WIDTH
-    from seamark.sim.settings.configuration import ConfigurationInvalid
+    from seamark.sim.settings.refusal import ConfigurationInvalid
 
     manifest, rows = archived.manifest, RowsInMemory()
     seeds = manifest.trial_seeds()

@@ -17,7 +17,7 @@ from seamark.server.runs.submission.validation import (
     SubmissionRejected,
 )
 from seamark.server.web.problems import Problem
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 
 @contextmanager

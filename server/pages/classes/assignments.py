@@ -17,7 +17,7 @@ from seamark.server.runs.submission import assigned
 from seamark.server.web import access, assignment_csv, class_access, csv_export, known_benchmarks
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 CHOICES_MAX = 100  # runs of the teacher that the form offers
 page = Blueprint("assignments", __name__)

@@ -31,7 +31,7 @@ from seamark.server.web import access, authentication, body_limits, known_benchm
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 _DIGITS_MAX = 18

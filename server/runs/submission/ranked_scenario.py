@@ -8,7 +8,8 @@ from collections.abc import Collection, Mapping
 
 from seamark.programs.setting_values import in_effect, label_of
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 SEED_REFUSAL = (
     "A ranked run takes its seeds from the benchmark. Leave the seed out, or start a practice run."

@@ -7,7 +7,7 @@ import pytest
 from seamark.programs import parameters
 from seamark.programs.parameters import Parameter
 from seamark.sim import registry
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 GAIN = Parameter(name="gain", default=0.5, low=0, high=2)
 ORDER = Parameter(name="order", default=3, low=1)

@@ -13,7 +13,7 @@ from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import ARM_FEELERS, ARM_INDEX, ARM_JOINTS, ARM_WIDTH, INDEX
 from seamark.sim.registry import ARMS
 from seamark.sim.sensors import arm as sensors
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.reading import THRUSTERS_MAX

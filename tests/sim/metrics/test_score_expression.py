@@ -19,7 +19,8 @@ from seamark.sim.metrics.score_expression import (
     score_of,
 )
 from seamark.sim.registry import BENCHMARKS, benchmark
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 METRICS = {"corners": 4.0, "centroid": 1.5, "time": 60.0, "settling_s": None}
 

@@ -12,7 +12,7 @@ from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import MIN_HEIGHT_M, Current, Pattern, Shear, profile
 from seamark.sim.physics.plant import Plant
 from seamark.sim.recording.telemetry import INDEX
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import Quantity, Vehicle, load
 from tests.sim.conftest import RunOf
 

@@ -9,7 +9,7 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.registry import benchmark
 from seamark.sim.sensors.dvl import Dvl
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from tests.sim.sampling import Truth, sample
 
 SHORT = {"tracker": "truth", "levels": [0.3], "level_duration_s": 20.0, "settle_s": 5.0}

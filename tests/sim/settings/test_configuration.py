@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.registry import BENCHMARKS, benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import TAGS
 
 CURRENTS = benchmark("currents-v1")

@@ -16,8 +16,8 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 from seamark.sim.settings import grid
-from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.grid import UPDATERS
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 LARGE = {"camera_noise", "altitude", "repeat"}  # updaters for which 0.1 is too little
 QUICK = {"level_duration_s": 2.0, "settle_s": 1.0, "tracker": "truth"}

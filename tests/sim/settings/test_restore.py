@@ -10,7 +10,8 @@ from seamark.sim.engine.replay import Replay
 from seamark.sim.recording.telemetry import WIDTH
 from seamark.sim.registry import BENCHMARKS, benchmark
 from seamark.sim.settings import grid
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import schema_extras
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS, benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.tracker import ROBUST
 from seamark.sim.trackers import declaration, make, option_errors, option_names
 from seamark.sim.trackers.declaration import Option

@@ -9,7 +9,7 @@ import pytest
 
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.registry import BENCHMARKS, VEHICLES, benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import added, is_known, load, own
 from seamark.sim.vehicles.reading import VehicleInvalid
 

@@ -8,7 +8,7 @@ import pytest
 from performance.perception.visibility.cases import GROUPS, IN_PLANE, STEP
 from performance.perception.visibility.page import write
 from seamark.sim.registry import benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.trackers.visp.installation import unavailable_reason
 
 VISIBILITY = benchmark("visibility-v1")

@@ -5,7 +5,7 @@ from sqlalchemy import update
 
 from seamark.server.database.tables import Run
 from seamark.server.runs.record.states import RunKind
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from tests.cast import Backend
 
 RANKED = {"kind": RunKind.RANKED, "benchmark": "currents-v2"}

@@ -16,7 +16,7 @@ from seamark.server.runs.submission.quota import QuotaExceeded
 from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.storage import installation
 from seamark.sim import registry
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from tests.cast import Backend
 from tests.sandbox import host_compiler
 

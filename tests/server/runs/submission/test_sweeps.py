@@ -16,7 +16,7 @@ from seamark.server.runs.submission.quota import QuotaExceeded
 from seamark.server.runs.submission.sweep_axes import Axis, read_axis
 from seamark.server.runs.submission.sweeps import SweepView
 from seamark.server.runs.submission.validation import Submission, SubmissionRejected
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from tests.cast import PI_RUN, Backend
 
 KP = Axis("kp", (0.2, 0.4, 0.6))

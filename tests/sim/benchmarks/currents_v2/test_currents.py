@@ -19,7 +19,7 @@ from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import group_of, limits_of
 from seamark.sim.settings.trial_spreads import GROUP
 

@@ -32,7 +32,7 @@ from seamark.sim.metrics.tracking import (
 )
 from seamark.sim.recording.telemetry import INDEX, NAMES, WIDTH, Rows
 from seamark.sim.registry import TRUTH, benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.trackers import Corners, Track, Window
 
 NAME = "visibility-v1"

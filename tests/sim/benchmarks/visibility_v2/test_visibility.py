@@ -19,7 +19,7 @@ from seamark.sim.metrics.tracking_losses import followed_metrics, jump_metrics
 from seamark.sim.numerics.statistics import area
 from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 from seamark.sim.registry import TRUTH, benchmark
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.targets import TARGET_TEXTURES
 from seamark.sim.trackers import make
 
