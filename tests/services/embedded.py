@@ -14,14 +14,20 @@ from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
 from seamark.server.runs.ending import results
 from seamark.server.runs.record.states import LIVE
+from seamark.worker.service.command_line import ONE_THREAD
 
 END_S = 60.0  # most that a service takes to end
 
 
 @contextmanager
 def started(data: Path, **settings: str) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
-    """Serve a data folder with one worker; gives the address and the process."""
+    """Serve a data folder with one worker; gives the address and the process.
+
+    `./run test` limits the threads of NumPy, but who starts a service has limited nothing.
+    """
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
+    for name in ONE_THREAD:
+        environ.pop(name, None)
     service = subprocess.Popen(
         up(data),
         env=environ | {f"SEAMARK_{name.upper()}": value for name, value in settings.items()},

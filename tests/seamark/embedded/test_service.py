@@ -128,6 +128,32 @@ def test_up_evaluates_a_run_and_refuses_a_second_instance(data: Path, service: S
     assert f"Seamark is already running on {data}" in second.stderr
 
 
+def test_no_process_of_a_service_has_threads_of_numpy(service: Service) -> None:
+    loaded = [pid for pid in {service[1].pid, *below(service[1].pid)} if _has_numpy(pid)]
+
+    unlimited = [
+        _about(pid, "cmdline")
+        for pid in loaded
+        if b"\nThreads:\t1\n" not in _about(pid, "status")
+        and b"OPENBLAS_NUM_THREADS=1" not in _about(pid, "environ").split(b"\0")
+    ]
+
+    assert len(loaded) > 2  # `up`, the web server and a worker
+    assert unlimited == []
+
+
+def _has_numpy(pid: int) -> bool:
+    return b"libscipy_openblas" in _about(pid, "maps")
+
+
+def _about(pid: int, name: str) -> bytes:
+    """Return what the kernel says about a process; nothing once it has ended."""
+    try:
+        return Path(f"/proc/{pid}/{name}").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return b""
+
+
 def test_the_end_of_a_service_leaves_no_process(service: Service) -> None:  # so it is the last
     process = service[1]
     children = below(process.pid)
