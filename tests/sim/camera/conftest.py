@@ -17,10 +17,10 @@ from seamark.sim.camera import (
     lettering,
     start_pose,
 )
-from seamark.sim.camera.seabed import SEABED_SEED, TEXEL_M
-from seamark.sim.camera.seabed import texels as seabed_texels
+from seamark.sim.camera.seabed import TEXEL_M
 from seamark.sim.camera.target import SHADES
 from seamark.sim.camera.target import TEXEL_M as FACE_TEXEL_M
+from tests.sim.camera.link_scenes import sand
 
 Array = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ class Reference:
         return depth, face, a, b
 
     def shade(self, face: NDArray[np.int64], a: Array, b: Array) -> Array:
-        ground = seabed_texels(SEABED_SEED, 1).astype(float)
+        ground = sand()
         out = bilinear(ground, a / TEXEL_M - 0.5, b / TEXEL_M - 0.5, wrap=True)
         t = self.target
         sizes = [(t.length_m, t.width_m)] + [(t.length_m, t.height_m)] * 2

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,7 +120,7 @@ class SlowRenderer:
         height = SEABED_M - origin[2]
         depth = height / down
         depth = np.where(depth < 1000.0, depth, np.inf)
-        ground = texels(SEABED_SEED, 1).astype(float)
+        ground = sand()
         near = np.where(np.isinf(depth), 0.0, depth)
         a, b = origin[0] + near * rays[0], origin[1] + near * rays[1]
         value = self.bilinear(ground, a / TEXEL_M - 0.5, b / TEXEL_M - 0.5, wrap=True)
@@ -192,6 +193,12 @@ class SlowRenderer:
         u, v = np.nan_to_num(u), np.nan_to_num(v)
         u, v = np.clip(u, 0, columns - 1), np.clip(v, 0, rows - 1)
         return self.bilinear(grey, u, v, wrap=False) / 255.0
+
+
+@cache  # each sample of an image asks for it
+def sand() -> Array:
+    """Grey values of the seabed's texels."""
+    return texels(SEABED_SEED, 1).astype(float)
 
 
 def side(length: float, radius: float, origin: Array, rays: Array) -> tuple[Array, Array]:
