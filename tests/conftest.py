@@ -25,6 +25,7 @@ from seamark.sim import vehicles
 from seamark.sim.vehicles import own
 from tests.cast import Backend
 from tests.services import compiled_once, postgres, s3, scratch, tables, uploads, valkey
+from tests.services.late_compilation import LateCompilation
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -46,13 +47,26 @@ QUICK_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, QUICK_HASHER
 # A full collection looks at 800,000 objects, for a second: it took a third of some files' time.
 gc.set_threshold(GARBAGE_AFTER)
+LATE = LateCompilation()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add what `./run fuzz-api` passes on."""
+    """Add what `./run fuzz-api` and `./run test` pass on."""
     parser.addoption(
         "--api-cases", type=int, default=768, help="requests to the API on each database"
     )
+    parser.addoption(
+        "--list-late-compilation",
+        action="store_true",
+        help="list what was compiled although `tests.precompile` came before",
+    )
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """List what `tests.precompile` lacks: several processes may have compiled it at a time."""
+    if terminalreporter.config.getoption("--list-late-compilation") and (late := LATE.functions()):
+        terminalreporter.section(f"{len(late)} compiled late: tests/precompile.py lacks them")
+        terminalreporter.write_line(", ".join(late))
 
 
 NEEDS = {  # fixture -> mark of the tests that use it

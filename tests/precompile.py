@@ -3,8 +3,9 @@
     python -m tests.precompile
 
 `warm_up` of the simulator compiles what runs need. The rest is here: vehicles that move side by
-side, and what is compared with the oldest processor. Numba's cache has no lock, so several
-processes of tests would all compile the same functions.
+side, what tests call one by one, and what is compared with the oldest processor. Numba's cache has
+no lock, so several processes of tests would all compile the same functions. Those that are missing
+here are listed at the end of the tests (`tests/services/late_compilation.py`).
 """
 
 import os
@@ -22,6 +23,7 @@ from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
 from tests.sim.trackers.template import test_template
 
+SIMULATOR = Path(__file__).parent / "sim"
 ENVIRONMENTS = """
 from seamark.gym.vector import StationKeepingVectorEnv
 
@@ -51,6 +53,19 @@ fleet.advance(1, np.zeros((1, 8)), np.zeros((1, 5)))
 fleet.close()
 """
 
+CALLED_ALONE = (  # tests of functions that runs do not call by themselves
+    "camera/test_link_camera.py::test_points_are_shown_unless_something_is_before_them",
+    "camera/test_pictures.py::test_painted_pictures_are_the_same_bytes_everywhere",
+    "control/test_allocation.py::test_it_finds_the_bounded_least_squares_solution_of_scipy",
+    "control/test_reference_controllers.py::test_the_oracle_holds_station_within_a_centimetre",
+    "multibody/test_loads.py::test_the_bottom_carries_the_weight_of_what_lies_on_it",
+    "multibody/test_dynamics.py::test_a_vehicle_without_an_arm_accelerates_as_the_plant",
+    "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
+    "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
+    "physics/test_hydrodynamics.py",
+    "trackers/template/test_template.py::test_homography_is_within_a_tenth_of_a_pixel[esm-mi]",
+)
+
 
 def main() -> None:
     """Compile all parts, as many at a time as there are cores."""
@@ -58,7 +73,9 @@ def main() -> None:
         images = test_template.draw(Path(folder))
         parts = (
             partial(_run, ENVIRONMENTS, {}),
+            partial(_run, test_link_camera.PROGRAM, {}),
             partial(_run, MECHANISMS, {}),
+            _call_alone,
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
@@ -72,6 +89,14 @@ def main() -> None:
 def _run(program: str, variables: Mapping[str, str], *arguments: str) -> None:
     command = [sys.executable, "-c", program, *arguments]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=os.environ | variables)
+
+
+def _call_alone() -> None:
+    # What fails here fails again among the tests, which show it.
+    tests = [str(SIMULATOR / test) for test in CALLED_ALONE]
+    options = ("--quiet", "-p", "no:cacheprovider", "--confcutdir", str(SIMULATOR))  # no server
+    command = [sys.executable, "-m", "pytest", *options, *tests]
+    subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,16 @@
 """What has to be compiled is announced; what always gets the same types is called at once."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from numba import njit
 
 from seamark.sim.numerics import libm
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.compilation import SameTypes, announced
+from tests.services.late_compilation import LateCompilation
 
 
 class Line(NamedTuple):
@@ -44,3 +47,15 @@ def test_what_numba_compiles_is_announced_and_what_it_loads_is_not() -> None:
 
     assert sum(again.stats.cache_hits.values()) == 1
     assert counts == [1, 2]
+
+
+def test_what_is_compiled_late_is_listed_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    late = LateCompilation()
+    before = late.functions()
+
+    njit(cache=True)(libm.sin.py_func)(0.5)
+
+    assert (before, late.functions(), LateCompilation().functions()) == ([], ["libm.sin"], [])
