@@ -5,15 +5,15 @@ from collections.abc import Callable
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 
-def lines(line: Callable[[int], str], size: int = BYTES_MAX) -> str:
+def lines(line: Callable[[int], str]) -> str:
     """Return as many lines as a file may have bytes."""
-    text = "\n".join(line(number) for number in range(size // len(line(0))))
-    return text[: text.rindex("\n", 0, size)]
+    text = "\n".join(line(number) for number in range(BYTES_MAX // len(line(0))))
+    return text[: text.rindex("\n", 0, BYTES_MAX)]
 
 
 HOSTILE: dict[str, str | bytes] = {
     "too large": b"#" * (BYTES_MAX + 1),
-    "a million entries": lines(lambda n: f"a{n}=1", 10_000_000),
+    "a million entries": "\n".join(f"a{n}=1" for n in range(1_000_000)),
     "many entries": lines(lambda n: f"a{n}=1"),
     "many tables": lines(lambda n: f"[a{n}]"),
     "many lists of tables": lines(lambda n: f"[[thrusters]]#{n}"),
