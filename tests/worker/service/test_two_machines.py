@@ -15,7 +15,7 @@ from seamark.server.storage import objects
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.services import s3
-from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
+from tests.worker.conftest import QUICK, SHORT, Service, service_with
 
 PROGRAM = """
 class Controller:
@@ -24,6 +24,9 @@ class Controller:
     def step(self, observation):
         return 0.5 * observation.error[0], 0.5 * observation.error[1], 0.0, 0.0
 """
+# It waits for seconds in each run, without using a core.
+SLOW = PROGRAM.replace("        return", "        time.sleep(0.02)\n        return")
+SLOW = f"import time\n{SLOW}"
 
 
 @pytest.fixture
@@ -59,8 +62,8 @@ def test_a_run_on_another_machine_is_read_here_and_ends_on_a_third_if_its_worker
     ).digest
     _start_worker(machines, "first")
     uploaded = machines.ended(machines.submit(controller="upload", program=program))
-    # So long that it does not end before its first rows are seen here.
-    long = machines.submit(LONG | {"levels": [0.0, 0.1, 0.2, 0.3, 0.35, 0.4]})
+    # So slow that it does not end before its first rows are seen here.
+    long = machines.submit_program(SLOW, SHORT | {"level_duration_s": 10.0})
     machines.wait(long, lambda run: run.state is RunState.RUNNING)
     deadline = time.monotonic() + 120
     while not stored_files.latest(machines.settings, long).row_count():
