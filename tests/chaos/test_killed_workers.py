@@ -9,10 +9,19 @@ from sqlalchemy import update
 from seamark.server.database.tables import Run
 from seamark.server.runs.record.states import RunState
 from seamark.sim.recording.telemetry import digest
-from tests.worker.conftest import LONG, SHORT, Service, production, service
+from tests.worker.conftest import SHORT, Service, production, service
 
 __all__ = ["production", "service"]  # the fixtures of the worker's tests
 pytestmark = [pytest.mark.slow, pytest.mark.host]
+# It waits for seconds in each run, without using a core.
+SLOW = """
+import time
+class Controller:
+    def __init__(self, config): pass
+    def step(self, observation):
+        time.sleep(0.01)
+        return 0.5 * observation.error[0], 0.5 * observation.error[1], 0.0, 0.0
+"""
 
 
 @contextmanager
@@ -27,7 +36,7 @@ def _unable_to_end(service: Service, run_id: int) -> Iterator[None]:
 
 def _killed_in_the_middle(service: Service) -> None:
     service.start_worker()
-    run_id = service.submit(LONG)
+    run_id = service.submit_program(SLOW, SHORT | {"level_duration_s": 6.0})
     service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
     with _unable_to_end(service, run_id):
         service.kill_worker()
