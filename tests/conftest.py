@@ -91,12 +91,11 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(autouse=True)
-def _vehicles_of_this_test(monkeypatch: pytest.MonkeyPatch) -> None:
+def _vehicles_of_this_test() -> Iterator[None]:
     """What a test adds is not there for the next: commands run in the process of the tests."""
-    added: dict[str, vehicles.Vehicle] = {}
-    for module in (vehicles, own):
-        monkeypatch.setattr(module, "added", added)
-    monkeypatch.setattr(own, "_FILES", {})
+    yield
+    vehicles.added.clear()
+    own._FILES.clear()
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from seamark.sim.engine.program import BuiltIn, ImageProgram
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import ARM_INDEX, INDEX
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.refusal import ConfigurationInvalid
 from tests.sim.camera.test_arm_camera import replay
 from tests.sim.engine.test_arm import ALPHA, BENCHMARK, SEED, SHORT, Moving, run
 

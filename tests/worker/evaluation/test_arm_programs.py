@@ -4,11 +4,9 @@ from functools import cache
 
 import pytest
 
-from seamark.programs import preparation
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.probing.self_test import tried
-from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
+from tests.worker.evaluation.languages import evaluated
 
 pytestmark = pytest.mark.host
 
@@ -95,10 +93,7 @@ SIX = PROGRAMS["controller.py"].replace(b"elbow, 0.0, -0.5]", b"elbow]")
 
 
 def run(content: bytes, name: str, isolation: IsolationLevel) -> RunOutcome:
-    program = preparation.prepare(content, name, role="controller")
-    if why := tried(program.language, isolation).why_not:
-        pytest.skip(why)
-    return evaluate_locally("currents-v2", SHORT, seed=3, controller=program, isolation=isolation)
+    return evaluated(content, name, SHORT, isolation)
 
 
 @cache

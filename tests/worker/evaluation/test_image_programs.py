@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from seamark.programs import preparation
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.self_test import tried
-from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
 from tests.sandbox import host_compiler
+from tests.worker.evaluation.languages import evaluated
 
 pytestmark = pytest.mark.host
 
@@ -106,11 +105,7 @@ def of_the_page() -> dict[str, bytes]:
 
 
 def run(content: bytes, name: str, isolation: IsolationLevel, **settings: object) -> RunOutcome:
-    program = preparation.prepare(content, name, role="controller")
-    if why := tried(program.language, isolation).why_not:
-        pytest.skip(why)
-    config = SHORT | settings
-    return evaluate_locally("currents-v2", config, seed=3, controller=program, isolation=isolation)
+    return evaluated(content, name, SHORT | settings, isolation)
 
 
 @cache
