@@ -45,8 +45,10 @@ scratch.use_memory()
 # Hashing a password is dear on purpose; only tests of that hash as the service does.
 QUICK_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 HASHER_OF_SERVICE, accounts._hasher = accounts._hasher, QUICK_HASHER
-# A full collection looks at 800,000 objects, for a second: it took a third of some files' time.
+# A full collection looks at 800,000 objects, for a second: it took a third of some files' time, and
+# what is loaded to collect the tests is hardly ever garbage.
 gc.set_threshold(GARBAGE_AFTER)
+gc.disable()
 LATE = LateCompilation()
 
 
@@ -88,6 +90,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """Keep what is loaded and collected, which stays to the end, from the garbage collector."""
     gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(autouse=True)

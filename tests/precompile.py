@@ -6,6 +6,9 @@
 side, what tests call one by one, and what is compared with the oldest processor. Numba's cache has
 no lock, so several processes of tests would all compile the same functions. Those that are missing
 here are listed at the end of the tests (`tests/services/late_compilation.py`).
+
+The modules of the tests are compiled as well: pytest rewrites their assertions, and Hypothesis
+looks for the constants of our code. That takes longer than to load them.
 """
 
 import os
@@ -72,6 +75,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         images = test_template.draw(Path(folder))
         parts = (
+            _collect,
             partial(_run, ENVIRONMENTS, {}),
             partial(_run, test_link_camera.PROGRAM, {}),
             partial(_run, MECHANISMS, {}),
@@ -91,11 +95,18 @@ def _run(program: str, variables: Mapping[str, str], *arguments: str) -> None:
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=os.environ | variables)
 
 
+def _collect() -> None:
+    _pytest("--collect-only")
+
+
 def _call_alone() -> None:
-    # What fails here fails again among the tests, which show it.
     tests = [str(SIMULATOR / test) for test in CALLED_ALONE]
-    options = ("--quiet", "-p", "no:cacheprovider", "--confcutdir", str(SIMULATOR))  # no server
-    command = [sys.executable, "-m", "pytest", *options, *tests]
+    _pytest("--confcutdir", str(SIMULATOR), *tests)  # no server
+
+
+def _pytest(*arguments: str) -> None:
+    # What fails here fails again among the tests, which show it.
+    command = [sys.executable, "-m", "pytest", "--quiet", "-p", "no:cacheprovider", *arguments]
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
 
 

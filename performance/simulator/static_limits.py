@@ -6,7 +6,7 @@ and pitch are left to the righting moment. What the levels of currents-v2 are ch
 """
 
 import numpy as np
-from scipy.optimize import linprog
+import scipy  # its parts are loaded when they are used
 
 from performance.tables import markdown_table
 from seamark.sim.benchmarks.currents_v2.settings import SINGLE
@@ -28,7 +28,7 @@ def can_hold(vehicle: Vehicle, speed: float, azimuth_rad: float) -> bool:
     needed = -(mass @ plant.acceleration())[BALANCED]
     allocation = vehicle.allocation()[BALANCED]
     forward, reverse = vehicle.curve.limits.value
-    solution = linprog(
+    solution = scipy.optimize.linprog(
         np.zeros(allocation.shape[1]), A_eq=allocation, b_eq=needed, bounds=(-reverse, forward)
     )
     return bool(solution.success)

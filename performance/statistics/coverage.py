@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy  # its parts are loaded when they are used
 
 from performance.statistics.population import stored
 from performance.tables import markdown_table
@@ -92,7 +92,7 @@ def bootstrap_coverage(scores: Scores, trials: int, method: str) -> float:
     for _ in range(0, BOOTSTRAP_RUNS, CHUNK):
         drawn = scores.draw(generator, CHUNK, trials)
         means = np.mean(drawn.reshape(CHUNK, -1, scores.block), axis=2)
-        interval = stats.bootstrap(
+        interval = scipy.stats.bootstrap(
             (means,), np.mean, axis=1, n_resamples=RESAMPLES, method=method, rng=generator
         ).confidence_interval
         hits += int(np.sum((interval.low <= scores.mean) & (scores.mean <= interval.high)))

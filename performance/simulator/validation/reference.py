@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+import scipy  # its parts are loaded when they are used
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
@@ -97,7 +96,9 @@ def thrust_of(vehicle: Vehicle, command: float) -> float:
     elif np.polynomial.Polynomial(terms)(most) <= effort:
         size = most
     else:
-        size = brentq(np.polynomial.Polynomial(terms - np.eye(len(terms))[0] * effort), 0.0, most)
+        size = scipy.optimize.brentq(
+            np.polynomial.Polynomial(terms - np.eye(len(terms))[0] * effort), 0.0, most
+        )
     return float(np.copysign(size, command))
 
 
@@ -114,7 +115,9 @@ def reference(vehicle: Vehicle, start: Array, legs: Sequence[Leg], water: Water)
         target = np.array([thrust_of(vehicle, float(value)) for value in leg.command])
         rate = _rate_of(vehicle, target, water)
         steps_and_gate = (start_s, start_s + leg.seconds)
-        answer = solve_ivp(rate, steps_and_gate, state, method="DOP853", rtol=1e-11, atol=1e-12)
+        answer = scipy.integrate.solve_ivp(
+            rate, steps_and_gate, state, method="DOP853", rtol=1e-11, atol=1e-12
+        )
         state, start_s = np.asarray(answer.y[:, -1]), steps_and_gate[1]
     return state
 

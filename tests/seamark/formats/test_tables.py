@@ -14,7 +14,7 @@ import pandas as pd
 import polars as pl
 import pyarrow.parquet as pq
 import pytest
-import scipy.io
+import scipy  # its parts are loaded when they are used
 
 from seamark.formats import parquet
 from seamark.formats.recording import FormatRefused, Recording, RowsGone

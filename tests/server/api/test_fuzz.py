@@ -9,11 +9,8 @@ from itertools import count
 from typing import Any
 
 import pytest
-import schemathesis
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
-from schemathesis import GenerationMode
-from schemathesis.checks import CHECKS, not_a_server_error
 
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
@@ -92,6 +89,9 @@ def _of_a_benchmark(body: Any) -> Any:
 def test_every_response_matches_the_openapi_document(
     site: Site, role: str, request: pytest.FixtureRequest
 ) -> None:
+    import schemathesis  # takes a tenth of what each process of tests takes to start
+    from schemathesis.checks import CHECKS, not_a_server_error
+
     cases = -(-request.config.getoption("--api-cases") // len(ROLES))
     schema: Any = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", site.app)
     own = site.user_id(role) if role in site.viewers else 0
@@ -133,5 +133,7 @@ def test_every_response_matches_the_openapi_document(
 
 def _cases(operation: Any) -> st.SearchStrategy[Any]:
     """Return valid and invalid requests of an operation."""
+    from schemathesis import GenerationMode
+
     valid = operation.as_strategy(generation_mode=GenerationMode.POSITIVE)
     return st.one_of(valid, operation.as_strategy(generation_mode=GenerationMode.NEGATIVE))

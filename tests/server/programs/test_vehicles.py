@@ -158,7 +158,7 @@ def reader() -> Iterator[ProgramReader]:
 @pytest.mark.slow
 @pytest.mark.parametrize("attack", HOSTILE)
 def test_a_hostile_file_costs_this_process_nothing(reader: ProgramReader, attack: str) -> None:
-    text = HOSTILE[attack]
+    text = HOSTILE[attack]()
     content = text.encode() if isinstance(text, str) else text
     before = time.process_time()
     try:

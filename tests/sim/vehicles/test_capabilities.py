@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy  # its parts are loaded when they are used
 from hypothesis import given, settings
 from hypothesis import strategies as some
-from scipy.optimize import linprog
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current
@@ -26,7 +26,7 @@ def by_linear_programme(vehicle: Vehicle, axis: int, sign: float) -> float:
     carried[HEAVE] = vehicle.buoyancy.scalar - vehicle.weight.scalar
     forward, reverse = capabilities.full_thrust(vehicle.curve)
     thrusters = rows.shape[1]
-    found = linprog(
+    found = scipy.optimize.linprog(
         np.append(np.zeros(thrusters), -1.0),
         A_eq=np.column_stack([rows, -wanted[list(BALANCED)]]),
         b_eq=carried[list(BALANCED)],

@@ -223,7 +223,7 @@ def test_vehicles_that_extend_each_other_are_refused(
 
 @pytest.mark.parametrize("attack", HOSTILE)
 def test_a_hostile_file_is_refused_in_bounded_time(attack: str) -> None:
-    assert refused(HOSTILE[attack])
+    assert refused(HOSTILE[attack]())
 
 
 def test_a_bracket_in_a_text_or_comment_is_no_nesting() -> None:

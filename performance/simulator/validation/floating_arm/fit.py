@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy  # its parts are loaded when they are used
 
 from performance.simulator.validation.floating_arm.model import (
     NAMES,
@@ -44,14 +44,14 @@ class Fitted:
 def fit(trials: dict[str, Trial], names: Sequence[str] = FITTED) -> Fitted:
     """Return the parameters with the least squares of roll and pitch over some trials."""
     chosen, start = [trials[name] for name in names], START.values()
-    best = least_squares(
+    best = scipy.optimize.least_squares(
         lambda values: _residuals(lambda trial: predicted(parameters(values), trial), chosen),
         start,
         bounds=(_LOW, _HIGH),
         x_scale=_SIZES,
         diff_step=1e-3,
     )
-    weights = least_squares(
+    weights = scipy.optimize.least_squares(
         lambda values: _residuals(
             lambda trial: balanced(parameters([*values, *start[_STATIC:]]), trial), chosen
         ),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy  # its parts are loaded when they are used
 
 from performance.simulator.validation.floating_arm.records import FITTED, Trial
 from seamark.sim.numerics.arrays import Array
@@ -100,7 +100,7 @@ def identify(attitude: Array, joints: Array) -> tuple[Array, Array]:
 
     Errors are computed as if one sample of ten were independent.
     """
-    fit = least_squares(
+    fit = scipy.optimize.least_squares(
         lambda numbers: np.ravel(balance(joints, numbers) - attitude), _FIRST_GUESS, method="lm"
     )
     variance = 2.0 * fit.cost / (fit.fun.size / 10.0)
@@ -112,7 +112,7 @@ def height_share(attitude: Array, joints: Array) -> tuple[float, float]:
 
     It is 1 if the arm's weights lie as found and -1 if they are mirrored below.
     """
-    fit = least_squares(
+    fit = scipy.optimize.least_squares(
         lambda values: np.ravel(balance(joints, values[:8], values[8]) - attitude),
         (*_FIRST_GUESS, 0.0),
         method="lm",

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import scipy.io
+import scipy  # its parts are loaded when they are used
 from mcap.reader import make_reader
 from werkzeug.test import TestResponse
 
