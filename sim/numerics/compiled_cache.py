@@ -52,8 +52,8 @@ class SourceStampLocator:
     @classmethod
     def from_function(cls, function: Callable[..., object], file: str) -> Self | None:
         """Return the locator of a compiled function; None for a function outside `sim`."""
-        path = Path(file).resolve()
-        if not path.is_relative_to(SOURCES):
+        path = _own(file)
+        if path is None:
             return None
         _load_numba_without_blas()
         locator = cls(path, function.__code__.co_firstlineno)
@@ -83,6 +83,13 @@ class SourceStampLocator:
         return str(self._line)
 
 
+@functools.cache  # a file has up to twenty functions
+def _own(file: str) -> Path | None:
+    """Return the path of a file of `sim` without links; None for another."""
+    path = Path(file).resolve()
+    return path if path.is_relative_to(SOURCES) else None
+
+
 @functools.cache  # before the first function is loaded
 def _load_numba_without_blas() -> None:
     """Have Numba load its functions of arrays without SciPy's linear algebra.
@@ -109,7 +116,7 @@ def _check(folder: Path) -> None:
     tempfile.TemporaryFile(dir=folder).close()
 
 
-@functools.cache  # a file has up to twenty functions
+@functools.cache
 def _use(folder: Path) -> None:
     """Check a folder and note its use by its time, once a day; then look for unused ones."""
     known = folder.is_dir()
@@ -139,10 +146,15 @@ def prune(parent: Path) -> None:
 def stamp(file: Path, root: Path) -> str:
     """Return the SHA-256 over a source file and all files below `root` that it imports."""
     digest = hashlib.sha256()
-    for path in sorted(_closure(file, root)):
-        digest.update(path.relative_to(root).as_posix().encode())
-        digest.update(path.read_bytes())
+    for parts, content in sorted(_parts_and_content(path, root) for path in _closure(file, root)):
+        digest.update("/".join(parts).encode())
+        digest.update(content)
     return digest.hexdigest()
+
+
+@functools.cache  # a file is in the closures of dozens of others
+def _parts_and_content(file: Path, root: Path) -> tuple[tuple[str, ...], bytes]:
+    return file.relative_to(root).parts, file.read_bytes()
 
 
 def _closure(file: Path, root: Path) -> set[Path]:
@@ -159,17 +171,19 @@ def _closure(file: Path, root: Path) -> set[Path]:
 
 @functools.cache
 def _imported(file: Path, root: Path) -> tuple[Path, ...]:
-    """Return the files below `root` that appear in the import statements of one file.
+    """Return the files below `root` that appear in the import statements of one file."""
+    names = imported_names(file.read_text("utf-8"))
+    return tuple(path for name in names for path in _files(name, root) if path != file)
+
+
+@functools.cache
+def _files(name: str, root: Path) -> tuple[Path, ...]:
+    """Return the files of a module, if it is one.
 
     `root` is the folder of the namespace `seamark`: a checkout, or the installed package.
     """
-    candidates = (
-        root.joinpath(*name.split(".")[1:]) for name in imported_names(file.read_text("utf-8"))
-    )
-    files = (
-        path for base in candidates for path in (base.with_suffix(".py"), base / "__init__.py")
-    )
-    return tuple(path for path in files if path.is_file() and path != file)
+    base = root.joinpath(*name.split(".")[1:])
+    return tuple(path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file())
 
 
 def imported_names(source: str) -> Iterator[str]:
