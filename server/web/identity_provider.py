@@ -2,25 +2,27 @@
 
 State, nonce and verifier are kept in the signed cookie of the browser that started, for one sign-in
 at a time, and taken out when it comes back. What the provider answers is used once and not stored.
+
+Authlib and what it needs is loaded where an identity provider is set: it takes a tenth of the start
+of a web process.
 """
 
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import requests
 import structlog
-from authlib.common.errors import AuthlibBaseError
-from authlib.integrations.flask_client import FlaskOAuth2App, OAuth
 from flask import Flask, current_app, session
-from joserfc.errors import JoseError
 
 from seamark.server.accounts.identities import SUBJECT_MAX, Identity
 from seamark.server.settings import Settings
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+
+if TYPE_CHECKING:
+    from authlib.integrations.flask_client import FlaskOAuth2App
 
 CALLBACK = "/sign-in/callback"  # the redirect URI that the provider must know
 TIMEOUT_S = 5.0  # of each of the three answers of the provider that a sign-in needs
@@ -44,6 +46,8 @@ class SignInRefused(Exception):
 def register(app: Flask, settings: Settings) -> None:
     """Make the client of the identity provider, if one is set; it connects at the first sign-in."""
     if settings.oidc_issuer:
+        from authlib.integrations.flask_client import OAuth  # noqa: PLC0415
+
         clients: Any = OAuth(app)
         app.extensions[_EXTENSION] = clients.register(
             _NAME,
@@ -94,6 +98,9 @@ def finish() -> tuple[Identity, str]:
     ProviderAway
     SignInRefused
     """
+    from authlib.common.errors import AuthlibBaseError  # noqa: PLC0415
+    from joserfc.errors import JoseError  # noqa: PLC0415
+
     settings = services().settings
     expected: dict[str, Any] = {
         "iss": {"essential": True, "value": settings.oidc_issuer},
@@ -140,8 +147,10 @@ def forget() -> None:
 
 
 @contextmanager
-def _talking() -> Iterator[FlaskOAuth2App]:
+def _talking() -> Iterator["FlaskOAuth2App"]:
     """Give the client, whose provider has answered; not to more requests than may wait for it."""
+    import requests  # noqa: PLC0415
+
     if not _waiting.acquire(blocking=False):
         raise ProviderAway
     try:

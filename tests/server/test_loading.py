@@ -5,7 +5,10 @@ import sys
 
 import pytest
 
-HEAVY = {"numpy", "numba", "cv2", "scipy", "pyarrow", "pydantic", "seamark.sim.camera"}
+HEAVY = {
+    *("numpy", "numba", "cv2", "scipy", "pyarrow", "pydantic", "rich", "authlib", "requests"),
+    "seamark.sim.camera",
+}
 
 
 @pytest.mark.parametrize(
@@ -13,9 +16,12 @@ HEAVY = {"numpy", "numba", "cv2", "scipy", "pyarrow", "pydantic", "seamark.sim.c
     [
         ("seamark.server.app", "numpy pydantic"),
         ("seamark.server.programs.reader_process", ""),
+        ("seamark.worker.service.nursery", ""),
+        ("seamark.worker.service.check_loop", "numpy pydantic"),
+        ("seamark.worker.service.maintenance", "numpy pydantic"),
     ],
 )
-def test_the_service_starts_without_the_simulator_and_an_upload_is_read_without_libraries(
+def test_a_process_of_the_service_loads_no_library_that_it_does_without(
     module: str, heavy: str
 ) -> None:
     program = f"import sys, {module}; print(*sorted({HEAVY} & set(sys.modules)))"
