@@ -143,3 +143,20 @@ def test_one_faint_text_among_others_of_its_kind_is_found_in_the_theme_that_it_i
     assert [report.partition(":")[0] for report in reports] == found
     assert all("color-contrast" in report for report in reports)
     page.close()
+
+
+def test_a_text_among_its_like_is_found_above_a_part_of_the_page_that_makes_it_faint(
+    chromium: Browser,
+) -> None:
+    page = chromium.new_page()
+    row = '<p style="height: 20px; margin: 0">Depth of the vehicle</p>'
+    box = "position: absolute; left: 0; width: 100%; height: 20px; background: #555; z-index: -1"
+    page.set_content(f"""<!doctype html><html lang="en"><title>Rows</title>
+        <body style="margin: 0"><main style="position: relative; color: black; z-index: 0">
+        <h1 style="height: 40px; margin: 0">Rows</h1>{row * 3}
+        <div style="top: 60px; {box}"></div></main></body></html>""")
+
+    (report,) = accessibility.defects(page)
+
+    assert "color-contrast" in report
+    page.close()
