@@ -25,6 +25,7 @@ from tests.services.ports import free_port
 
 START_S = 240.0
 END_S = 30.0
+TWO_TRIALS = Path(__file__).with_name("two_trials")
 
 
 @dataclass(frozen=True)
@@ -161,8 +162,11 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _start_embedded() -> Service:
-    """Start a service with its embedded defaults: SQLite and its own broker."""
-    service = start()
+    """Start a service with its embedded defaults: SQLite and its own broker.
+
+    Its ranked runs of currents-v1 are short.
+    """
+    service = start(PYTHONPATH=str(TWO_TRIALS))
     without_baselines(f"sqlite:///{service.data / 'seamark.db'}")
     return service
 

@@ -5,6 +5,7 @@ import re
 import pytest
 from playwright.sync_api import FilePayload, expect
 
+from tests.journey.two_trials.two_trials import TRIALS
 from tests.journey.visitor import (
     PROGRAM,
     RUN_MS,
@@ -45,7 +46,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     page.get_by_role("button", name="Start ranked run").click()
     expect(page.locator("[data-log]")).to_contain_text("level 1", timeout=RUN_MS)
     run = page.url.partition("#")[0]
-    page.goto("about:blank")  # to draw ten trials costs as much as to simulate them
+    page.goto("about:blank")  # to draw the trials costs as much as to simulate them
     visitor.wait_elsewhere(int(run.rpartition("/")[2]), timeout_ms=4 * RUN_MS)
     page.goto(run)
     visitor.wait_for("succeeded")
@@ -59,7 +60,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     row = page.get_by_role("row", name=re.compile("journey"))
     expect(row).to_contain_text("Steady hand")
     lines = download.value.path().read_text().splitlines()
-    assert len([line for line in lines if not line.startswith("#")]) == 1 + 10 * 5 * 120 * 20
+    assert len([line for line in lines if not line.startswith("#")]) == 1 + TRIALS * 5 * 120 * 20
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
