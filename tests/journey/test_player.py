@@ -91,8 +91,8 @@ def turbid(chromium: Browser, service: Service, finished: tuple[int, Any]) -> in
     run_id = visitor.submit(
         {"benchmark": "visibility-v1", "controller": "built-in", "config": levels, "seed": 3}
     )
+    visitor.wait_elsewhere(run_id)
     visitor.open(f"/runs/{run_id}")
-    visitor.wait_for("succeeded")
     visitor.publish()
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     context.close()
@@ -282,6 +282,30 @@ def test_flying_leaves_the_vehicle_and_arrows_show_what_is_out_of_sight(
 
     expect(page.locator("[data-time]")).to_have_value("30")
     assert visitor.errors == []
+
+
+def test_a_scene_out_of_sight_is_not_drawn_while_the_run_plays_and_goes_on_when_it_is_back(
+    visitor: Visitor, finished: tuple[int, Any]
+) -> None:
+    page = _open(visitor, f"/runs/{finished[0]}")
+    stage, pose = page.locator("[data-stage]"), page.locator("[data-pose]")
+
+    page.keyboard.press("k")
+    page.get_by_role("contentinfo").scroll_into_view_if_needed()
+    expect(stage).not_to_be_in_viewport()
+    for _ in range(20):  # the browser says some frames later that it is out of sight
+        t, pictures, words = _time(page), stage.get_attribute("data-pictures"), pose.inner_text()
+        while _time(page) < t + 0.5:
+            page.wait_for_timeout(100)
+        if stage.get_attribute("data-pictures") == pictures:
+            break
+    else:
+        pytest.fail("the scene is drawn out of sight")
+    expect(pose).not_to_have_text(words)  # a screen reader reads it there
+    stage.scroll_into_view_if_needed()
+
+    expect(stage).not_to_have_attribute("data-pictures", str(pictures))
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
 def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_same_images(

@@ -52,6 +52,20 @@ test("behind live data it waits for more, and at the end of a replay it stops", 
   assert.deepEqual([loops.t, loops.playing], [0, true]);
 });
 
+test("nobody is told anything while it waits for more", () => {
+  const playhead = after({ live: true }, available(10), seek(9), play, second);
+  /** @type {string[]} */
+  const told = [];
+  playhead.listen((_playhead, what) => told.push(what));
+
+  second(playhead);
+  assert.deepEqual(told, ["mode"]);
+
+  playhead.available(11);
+  second(playhead);
+  assert.deepEqual(told, ["mode", "time", "time"]);
+});
+
 test("it cannot be moved beyond the data", () => {
   assert.equal(after({}, available(10), seek(50)).t, 10);
   assert.equal(after({}, available(10), seek(-3)).t, 0);

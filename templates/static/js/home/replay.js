@@ -22,6 +22,7 @@ const playhead = new Playhead({ duration: data.trial_s, loop: true });
 const rows = new Rows(data.api, rowColumns(data.columns));
 const scene = new SceneBox(root, data, FORGETFUL);
 let seen = false;
+let frame = 0; // that is asked for
 /** @type {number | null} */
 let before = null;
 
@@ -36,25 +37,35 @@ function show() {
 
 /** @param {number} now */
 function tick(now) {
-  if (seen) playhead.advance(Math.min((now - (before ?? now)) / 1000, 0.25));
+  playhead.advance(Math.min((now - (before ?? now)) / 1000, 0.25));
   before = now;
-  requestAnimationFrame(tick);
+  frame = 0;
+  run();
+}
+
+// Asks for a frame only while it plays in sight.
+function run() {
+  if (frame) return;
+  if (seen && playhead.playing) frame = requestAnimationFrame(tick);
+  else before = null;
 }
 
 function begin() {
   playhead.reaches(data.trial_s);
   playhead.moveTo(Number(root.dataset.start ?? 0));
   playhead.setSpeed(SPEED);
-  playhead.listen(show);
+  playhead.listen((_playhead, what) => {
+    show();
+    if (what === "mode") run();
+  });
   rows.onRows = show;
   button.hidden = false;
   button.addEventListener("click", () => playhead.toggle());
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) playhead.play();
-  requestAnimationFrame(tick);
 }
 
 new IntersectionObserver((entries) => {
-  const first = before === null && !playhead.newest;
   seen = entries[entries.length - 1].isIntersecting;
-  if (seen && first) begin();
+  if (seen && !playhead.newest) begin();
+  else run();
 }).observe(root);

@@ -130,7 +130,7 @@ export class Capture {
       else draw(null);
       requestAnimationFrame(step);
     };
-    scene.onDraw = draw;
+    scene.record(draw);
     draw(null);
     this.recorder.start(1000);
     step();
@@ -139,7 +139,7 @@ export class Capture {
   stop() {
     const { recorder } = this;
     this.recorder = null;
-    this.player.scene.onDraw = () => {};
+    this.player.scene.record(null);
     recorder?.stop();
     this.onRecording(null);
   }

@@ -113,15 +113,17 @@ export class Playhead {
   }
 
   /**
-   * Moves on by `seconds` of wall time. At the newest data of a live run it waits for more.
+   * Moves on by `seconds` of wall time. At the newest data of a live run it waits for more, and nobody is told
+   * meanwhile: there is nothing new to draw.
    * @param {number} seconds
    */
   advance(seconds) {
     if (!this.playing) return;
     const next = this.t + seconds * this.speed;
     if (next < this.newest) this.moveTo(next);
-    else if (this.live) this.moveTo(this.newest);
-    else if (this.loop) this.moveTo(0);
+    else if (this.live) {
+      if (this.t < this.newest) this.moveTo(this.newest);
+    } else if (this.loop) this.moveTo(0);
     else {
       this.playing = false;
       this.moveTo(this.newest);

@@ -56,12 +56,28 @@ export class SceneBox {
     for (const button of all(box, "[data-move]", HTMLElement)) {
       button.addEventListener("click", () => this.move(button.dataset.move));
     }
-    const sight = new IntersectionObserver((entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      sight.disconnect();
-      this.load();
-    });
-    sight.observe(box);
+    this.inSight = this.recorded = false;
+    /** @type {Promise<void> | null} */
+    this.loading = null;
+    new IntersectionObserver((entries) => {
+      this.inSight = entries[entries.length - 1].isIntersecting;
+      if (this.inSight) this.loading ??= this.load();
+      this.watch();
+    }).observe(box);
+  }
+
+  watch() {
+    this.view?.setWatched(this.inSight || this.recorded);
+  }
+
+  /**
+   * Calls `draw` with each picture, also out of sight; null ends it.
+   * @param {((canvas: HTMLCanvasElement) => void) | null} draw
+   */
+  record(draw) {
+    this.recorded = draw !== null;
+    this.onDraw = draw ?? (() => {});
+    this.watch();
   }
 
   async load() {
@@ -85,6 +101,7 @@ export class SceneBox {
       return;
     }
     this.view = view;
+    this.watch();
     Object.assign(view.canvas, { tabIndex: 0 });
     view.canvas.setAttribute("role", "img");
     view.canvas.setAttribute(
@@ -144,6 +161,7 @@ export class SceneBox {
       ),
       seconds,
     );
+    if (!this.view.watched) this.writePose(); // a screen reader reads it wherever the page is scrolled to
   }
 
   /**

@@ -83,6 +83,8 @@ export class SceneView {
     this.lamp = null;
     this.clearance = 0; // of the current's arrow above the vehicle [m]
     this.requested = false;
+    this.watched = true; // by somebody, or by a recorder
+    this.stale = false; // was to be drawn, but nobody watches
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.rest = undefined;
     this.pace = new Pace(software ? SCALE_OF_SOFTWARE : 1);
@@ -215,8 +217,19 @@ export class SceneView {
     this.request();
   }
 
+  /**
+   * Draws only while it is watched, and at once what has changed meanwhile.
+   * @param {boolean} watched
+   */
+  setWatched(watched) {
+    this.watched = watched;
+    this.pace.moved = false; // the pause is not the time that a picture takes
+    if (watched && this.stale) this.request();
+  }
+
   request() {
-    if (this.requested) return;
+    this.stale = !this.watched;
+    if (this.requested || this.stale) return;
     this.requested = true;
     requestAnimationFrame((now) => this.draw(now));
   }
