@@ -88,20 +88,32 @@ def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
         asyncio._set_running_loop(None)
 
 
-@pytest.fixture
-def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
-    """A visitor with a desktop screen."""
+# One page for all visitors: a fresh one starts a process, which compiles all scripts anew; a third
+# of the time of a visit.
+@pytest.fixture(scope="session")
+def _desktop(chromium: Browser, service: Service) -> Visitor:
     context = chromium.new_context(viewport={"width": 1280, "height": 900})
-    yield Visitor(context.new_page(), service.url)
-    context.close()
+    return Visitor(context.new_page(), service.url)
+
+
+@pytest.fixture(scope="session")
+def _phone(chromium: Browser, service: Service) -> Visitor:
+    context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
+    return Visitor(context.new_page(), service.url)
 
 
 @pytest.fixture
-def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
+def visitor(_desktop: Visitor) -> Iterator[Visitor]:
+    """A visitor with a desktop screen."""
+    yield _desktop
+    _desktop.leave()
+
+
+@pytest.fixture
+def phone(_phone: Visitor) -> Iterator[Visitor]:
     """A visitor with a phone."""
-    context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
-    yield Visitor(context.new_page(), service.url)
-    context.close()
+    yield _phone
+    _phone.leave()
 
 
 @pytest.fixture(scope="session")
@@ -119,8 +131,8 @@ def _finish(chromium: Browser, service: Service) -> tuple[int, Any]:
     visitor.sign_up("player")
     run = {"benchmark": "currents-v1", "controller": "p", "config": SHORT, "seed": 3}
     run_id = visitor.submit(run)
+    visitor.wait_elsewhere(run_id)
     visitor.open(f"/runs/{run_id}")
-    visitor.wait_for("succeeded")
     visitor.publish()
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     cookies = context.storage_state()

@@ -23,8 +23,8 @@ def test_an_arm_stands_in_the_scene_its_camera_can_be_chosen_and_its_joints_char
     visitor.sign_up("reaching")
     run = {"benchmark": "currents-v2", "controller": "pi", "config": WITH_ARM}
     number = visitor.submit(run)
+    visitor.wait_elsewhere(number)
     visitor.open(f"/runs/{number}")
-    visitor.wait_for("succeeded")
     page = visitor.page
 
     expect(page.locator(".legend .wrist")).to_have_text("force at the wrist")

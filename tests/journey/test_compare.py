@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Response, expect
 
 from tests.journey.service import Service
 from tests.journey.visitor import Visitor
@@ -82,7 +82,11 @@ def test_the_scene_has_the_vehicle_and_the_path_of_every_run(
 ) -> None:
     page, run_ids = visitor.page, run_ids[:3]
     fetched: list[str] = []
-    page.on("response", lambda response: fetched.append(response.url))
+
+    def note(response: Response) -> None:
+        fetched.append(response.url)
+
+    page.on("response", note)
     visitor.open(f"/compare?runs={','.join(map(str, run_ids))}")
 
     expect(page.locator("[data-stage][data-pictures]")).to_be_visible(timeout=60_000)
@@ -90,6 +94,7 @@ def test_the_scene_has_the_vehicle_and_the_path_of_every_run(
     expect(names).to_have_text([re.compile(f"^#{run_id} ") for run_id in run_ids])
     for part in ("scene.json", "series.json"):
         assert all(any(f"/runs/{run_id}/{part}" in url for url in fetched) for run_id in run_ids)
+    page.remove_listener("response", note)
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 

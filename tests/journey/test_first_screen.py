@@ -59,13 +59,19 @@ def _submit_broken(visitor: Visitor) -> int:
     return number
 
 
-@pytest.fixture
-def owner(chromium: Browser, service: Service, finished: tuple[int, Any]) -> Iterator[Visitor]:
-    """The owner of the finished run, with a desktop screen."""
-    screen: Any = {"width": 1280, "height": SCREEN_PX}
-    context = chromium.new_context(storage_state=finished[1], viewport=screen)
+@pytest.fixture(scope="module")
+def _owner(chromium: Browser, service: Service) -> Iterator[Visitor]:
+    context = chromium.new_context(viewport={"width": 1280, "height": SCREEN_PX})
     yield Visitor(context.new_page(), service.url)
     context.close()
+
+
+@pytest.fixture
+def owner(_owner: Visitor, finished: tuple[int, Any]) -> Iterator[Visitor]:
+    """The owner of the finished run, with a desktop screen."""
+    _owner.page.context.add_cookies(finished[1]["cookies"])
+    yield _owner
+    _owner.leave()
 
 
 def test_scene_camera_and_main_chart_of_a_finished_run_are_on_the_first_screen(

@@ -1,7 +1,7 @@
 """Markup in whatever a user can write is shown as text in a real browser, and never runs."""
 
 import pytest
-from playwright.sync_api import FilePayload, expect
+from playwright.sync_api import Dialog, FilePayload, expect
 
 from tests.journey.visitor import RUN_MS, Visitor, choose_file, shorten
 
@@ -26,7 +26,11 @@ class Controller:
 
 def test_markup_of_a_user_is_shown_as_text_on_every_page(visitor: Visitor) -> None:
     page, dialogs = visitor.page, list[str]()
-    page.on("dialog", lambda dialog: dialogs.append(dialog.message))
+
+    def note(dialog: Dialog) -> None:
+        dialogs.append(dialog.message)
+
+    page.on("dialog", note)
     visitor.sign_up("scripter")
     visitor.open("/submit/currents-v1")
     name = "<img src=x onerror=alert(1)>.py"
@@ -49,5 +53,6 @@ def test_markup_of_a_user_is_shown_as_text_on_every_page(visitor: Visitor) -> No
 
     visitor.open("/runs/")
     expect(page.get_by_role("table")).to_contain_text(name)
+    page.remove_listener("dialog", note)
     assert found == [None] * 5
     assert (visitor.errors, dialogs) == ([], [])

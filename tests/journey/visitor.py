@@ -35,6 +35,7 @@ class Visitor:
     def __init__(self, page: Page, url: str) -> None:
         self.page, self.url = page, url
         self.errors: list[str] = []
+        self._size: Any = page.viewport_size
         page.add_init_script(_COLLECT)
         page.on("pageerror", lambda error: self.errors.append(f"{page.url}: {error}"))
         page.on("console", self._on_console)
@@ -42,6 +43,20 @@ class Visitor:
     def _on_console(self, message: object) -> None:
         if getattr(message, "type", "") == "error":
             self.errors.append(f"{self.page.url}: {getattr(message, 'text', '')}")
+
+    def leave(self) -> None:
+        """Leave nothing for the next visitor who uses this page but what the browser has cached."""
+        self.page.unroute_all()
+        if self.page.viewport_size != self._size:
+            self.page.set_viewport_size(self._size)
+        self.rest()
+        self.page.evaluate("localStorage.clear(); sessionStorage.clear()")
+        self.page.context.clear_cookies()
+        self.errors.clear()
+
+    def rest(self) -> None:
+        """Leave a page for one that draws nothing; a blank one would end the renderer's process."""
+        self.open("/static/logo.svg")
 
     def open(self, path: str) -> None:
         self.page.goto(self.url + path)
