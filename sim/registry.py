@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
+    "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
+    "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
@@ -51,6 +53,29 @@ REFERENCE_CONTROLLERS = {
     "blind": "seamark.sim.control.position.blind:Controller",
     "oracle": "seamark.sim.control.position.oracle:Controller",
 }
+# What moves an arm, by the task that it is for; marks on the leaderboards last.
+ARM_CONTROLLERS = {
+    "recover": {
+        "resolved-rate": "seamark.sim.control.manipulation.recover:ResolvedRate",
+        "scripted": "seamark.sim.control.manipulation.recover:Scripted",
+    },
+    "valve": {
+        "resolved-rate": "seamark.sim.control.manipulation.valve:ResolvedRate",
+        "scripted": "seamark.sim.control.manipulation.valve:Scripted",
+    },
+}
+REFERENCE_ARM_CONTROLLERS = {
+    "recover": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+        "blind": "seamark.sim.control.manipulation.recover:Blind",
+        "oracle": "seamark.sim.control.manipulation.oracle:RecoverOracle",
+    },
+    "valve": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+        "blind": "seamark.sim.control.manipulation.valve:Blind",
+        "oracle": "seamark.sim.control.manipulation.oracle:ValveOracle",
+    },
+}
 TRACKERS = {
     "esm": "seamark.sim.trackers.template:TRACKER",
     "klt": "seamark.sim.trackers.klt:TRACKER",
@@ -75,16 +100,27 @@ def benchmark(name: str) -> "Benchmark":
     return loaded
 
 
-def controller_path(name: str) -> str:
-    """Return the path of a position controller; KeyError if there is none of that name."""
-    return (CONTROLLERS | REFERENCE_CONTROLLERS)[name]
+def controllers(task: str) -> dict[str, str]:
+    """Return name -> path of what users can choose for a task of an arm; "": to keep station."""
+    return ARM_CONTROLLERS[task] if task else CONTROLLERS
+
+
+def reference_controllers(task: str) -> dict[str, str]:
+    """Return name -> path of what only marks on a leaderboard use, some of which see the truth."""
+    return REFERENCE_ARM_CONTROLLERS[task] if task else REFERENCE_CONTROLLERS
+
+
+def controller_path(name: str, task: str = "") -> str:
+    """Return the path of a controller; KeyError if there is none of that name for the task."""
+    return (controllers(task) | reference_controllers(task))[name]
 
 
 def load_all() -> None:
     """Load every entry and its code, so that a broken one stops the start and not a user's run."""
     for name in VEHICLES:
         resolve_name("seamark.sim.vehicles:load")(name)
-    for path in (*CONTROLLERS.values(), *REFERENCE_CONTROLLERS.values()):
-        resolve_name(path)
+    for task in ("", *ARM_CONTROLLERS):
+        for path in (*controllers(task).values(), *reference_controllers(task).values()):
+            resolve_name(path)
     for path in (*BENCHMARKS.values(), *TRACKERS.values()):
         resolve_name(path).load()

@@ -16,7 +16,7 @@ _LITTLE_ENDIAN = b"\x00\x01"  # how a message of CDR begins
 _HEAD_BYTES = 4
 _FRAME_AT = 8  # length of the name of the frame, after the stamp
 _THRUSTERS_MAX = 32
-_WIDTHS = range(telemetry.WIDTH, telemetry.width_for(_THRUSTERS_MAX, arm=True) + 1)
+_WIDTHS = range(telemetry.WIDTH, telemetry.width_for(_THRUSTERS_MAX, arm=True, work=True) + 1)
 
 
 def read(messages: Iterable[bytes]) -> list[Samples]:

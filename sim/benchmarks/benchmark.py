@@ -7,6 +7,7 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup, over_whole_run
+from seamark.sim.metrics.stages import Stage
 from seamark.sim.settings.configuration import Configuration, schema_of
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import schema_extras
@@ -55,6 +56,18 @@ class Midpoint:
 
     metric: Metric
     point: Callable[[Mapping[str, Any]], tuple[float, float] | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Stages:
+    """How far a level may get, step by step: `reached` finds in its rows when it did.
+
+    It returns the row at which each stage was reached, as far as they were, given the rows of a
+    level so far and the time from one to the next [s].
+    """
+
+    stages: tuple[Stage, ...]
+    reached: Callable[["Rows", float], tuple[int, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,11 +179,17 @@ class Benchmark:
     protocol: RankedProtocol | None = None
     shared_trials: int = 10  # of a ranked run without a protocol
     curves: tuple[Curve, ...] = ()
+    stages: Stages | None = None
 
     @property
     def ranked_trials(self) -> int:
         """Number of trials of a ranked run."""
         return self.shared_trials if self.protocol is None else self.protocol.trials
+
+    @property
+    def stage_labels(self) -> tuple[str, ...]:
+        """Labels of the stages of a level, if it has some."""
+        return tuple(stage.label for stage in self.stages.stages) if self.stages else ()
 
     @property
     def gym_id(self) -> str:

@@ -5,6 +5,7 @@ They are made once from the solids of a mechanism; where its links are is said f
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -20,6 +21,7 @@ from seamark.sim.vehicles.solids import Solid
 BOX, CYLINDER, CAPSULE = 0, 1, 2
 WORLD = -1  # the link of what does not move
 FACES = 6  # of a box: +x, -x, +y, -y, +z, -z
+UPPER = 5
 DARK = 0.3  # albedo in green below which letters are white
 BODIES_MAX = 256  # in one scene
 Face = NDArray[np.float64]  # (rows, columns) albedo
@@ -139,22 +141,21 @@ def _body(look: Look, link: int) -> _Body:
         "sphere": (CAPSULE, (0.0, x, x)),
     }[solid.shape]
     centre = on.at(solid.centre)
+    face = partial(lettered_face, solid) if solid.lettered else None
+    return _Body(kind, link, half, centre, on.turn, _colour(solid), face)
+
+
+def _colour(solid: Solid) -> tuple[float, float, float]:
     red, green, blue = (int(solid.paint.colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
-    colour = red, green, blue
-    face = _lettered(solid, colour) if solid.lettered else None
-    return _Body(kind, link, half, centre, on.turn, colour, face)
+    return red, green, blue
 
 
-def _lettered(solid: Solid, colour: tuple[float, float, float]) -> Callable[[int, int], Face]:
-    """Return the faces of a box with letters."""
-    x, y, z = solid.size
+def lettered_face(solid: Solid, channel: int, side: int) -> Face:
+    """Return a face of a box with letters, in a channel: 0 red, 1 green, 2 blue."""
+    (x, y, z), colour = solid.size, _colour(solid)
     sizes = [(y, z), (y, z), (x, z), (x, z), (x, y), (x, y)]
     ink = lettering.WHITE if colour[1] < DARK else lettering.BLACK
-
-    def face(channel: int, side: int) -> Face:
-        return lettering.label(*sizes[side], TEXEL_M, colour[channel], ink)
-
-    return face
+    return lettering.label(*sizes[side], TEXEL_M, colour[channel], ink)
 
 
 def _target_body(target: Target) -> _Body:

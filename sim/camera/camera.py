@@ -105,6 +105,9 @@ class Camera:
         self._render = SameTypes(raycast.draw)
         self._render_effects = SameTypes(raycast_effects.draw)
 
+    def follow(self, pose: NDArray[np.float64]) -> None:
+        """Put the target where it is in the image of a pose; here it does not move."""
+
     def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's canvas (H, W), rendered only inside the window x0, y0, x1, y1.
 
@@ -143,7 +146,9 @@ class Camera:
 
     def position(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the position of the camera, (3,) [m] NED."""
-        return np.array(self.truth(pose)[-3:])
+        self._pose[:] = pose[:6]
+        camera_pose(self._pose, self._lens[1], self._rotation, self._position)
+        return self._position.copy()
 
     def view(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the target's points of `truth`, (6, 3) [m], intrinsics and mount, for kernels."""

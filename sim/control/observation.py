@@ -40,6 +40,7 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
 )
 # What follows for a vehicle with an arm.
 ARM_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    ("corners", 8, "px", "corners of the target by the tracker, x0 y0 to x3 y3, as letters read"),
     ("joints", PER_MOTOR, "rad", "coordinate of each joint with a motor; m if it slides"),
     ("joint_speeds", PER_MOTOR, "rad/s", "speed of each of these joints"),
     ("joint_efforts", PER_MOTOR, "N m", "torque of each motor, from its current; N if it slides"),

@@ -78,7 +78,10 @@ class ClosedLoop:
         size, cameras = world.arm.size if world.arm else None, config.cameras_of_program()
         self.observation = empty(self._thrusters, size, images=bool(cameras))
         of_arm = slice(len(empty(self._thrusters)), len(empty(self._thrusters, size)))
-        self._arm = ArmInLoop(world.arm, self.observation[of_arm]) if world.arm else None
+        self._arm = None
+        if world.arm is not None:
+            seen = self.observation[of_arm]
+            self._arm = ArmInLoop(world.arm, seen, self._seen.corners)
         self.images = ImagesInLoop(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
@@ -100,7 +103,7 @@ class ClosedLoop:
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""
-        width = width_for(self._thrusters, arm=self._arm is not None)
+        width = self._width()
         recorder = Recorder(on_rows, width=width)
         try:
             for step in range(self._steps):
@@ -110,6 +113,11 @@ class ClosedLoop:
                 recorder.commit()
         finally:
             recorder.flush()
+
+    def _width(self) -> int:
+        arm = self._world.arm
+        work = arm is not None and len(arm.plant.work) > 0
+        return width_for(self._thrusters, arm=arm is not None, work=work)
 
     def close(self) -> None:
         """Release what the world holds."""
@@ -169,9 +177,9 @@ class ClosedLoop:
         self._contact_n = contact_n / steps
 
     def motion(self) -> Row:
-        """Return what an image depends on: pose and velocity, (12,), and the joints of an arm."""
+        """Return what an image depends on: pose and velocity, (12,), an arm and its workpiece."""
         parts = [self._pose, self._world.plant.velocity()]
-        return np.concatenate([*parts, *(self._arm.joints() if self._arm else ())])
+        return np.concatenate([*parts, *(self._arm.motion() if self._arm else ())])
 
     def _track(self, step: int) -> None:
         pose, tracking = self._pose, self._world.tracking

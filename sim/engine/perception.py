@@ -16,7 +16,13 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID, write_current
-from seamark.sim.recording.telemetry import ARM_WIDTH, COMMON_THRUSTERS, INDEX, WIDTH
+from seamark.sim.recording.telemetry import (
+    ARM_WIDTH,
+    COMMON_THRUSTERS,
+    INDEX,
+    WIDTH,
+    WORK_WIDTH,
+)
 from seamark.sim.sensors.ahrs import sample_attitude
 from seamark.sim.sensors.altimeter import sample_altitude
 from seamark.sim.sensors.depth import sample_depth
@@ -175,6 +181,8 @@ def thrust_column(thruster: int, width: int) -> int:
     if thruster < COMMON_THRUSTERS:
         return _THRUST + thruster
     first = WIDTH if width < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
+    if width >= WIDTH + ARM_WIDTH + WORK_WIDTH:
+        first += WORK_WIDTH
     return first + thruster - COMMON_THRUSTERS
 
 

@@ -97,10 +97,13 @@ class BuiltIn:
     box has no such attribute, whatever its methods are called.
     """
 
-    def __init__(self, name: str, config: Configuration, arm: ArmSize | None = None) -> None:
-        controller = resolve_name(registry.controller_path(name))
+    def __init__(
+        self, name: str, config: Configuration, arm: ArmSize | None = None, *, task: str = ""
+    ) -> None:
+        """Load a controller; `task` is what it uses the arm for."""
+        controller = resolve_name(registry.controller_path(name, task))
         self._controller: Controller = controller(config.for_program())
-        reference = name in registry.REFERENCE_CONTROLLERS
+        reference = name in registry.reference_controllers(task)
         sees = reference and isinstance(self._controller, Oracle)
         self.oracle: Oracle | None = self._controller if sees else None
         self._arm = arm

@@ -16,7 +16,7 @@ from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, has_arm
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, has_arm, has_work
 from seamark.sim.settings.configuration import Configuration
 
 Image = NDArray[np.uint8]
@@ -24,6 +24,7 @@ Row = NDArray[np.float64]
 
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 _JOINTS = slice(ARM_INDEX["joint_0"], ARM_INDEX["joint_ref_0"])  # and their speeds
+_WORK = slice(WORK_INDEX["workpiece_x"], WORK_INDEX["reach"])
 _CACHED_CAMERAS = 12  # one per level
 
 
@@ -37,7 +38,7 @@ class CameraFrame:
 
     camera: Camera
     # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]; with an arm, its
-    # joints and their speeds follow
+    # joints and their speeds follow, and where its workpiece is
     motion: Row
     number: int  # of the frame in the trial
 
@@ -105,6 +106,8 @@ class Replay:
         motion = row[_MOTION]
         if has_arm(len(row)):
             motion = np.concatenate([motion, row[_JOINTS]])
+        if has_work(len(row)):
+            motion = np.concatenate([motion, row[_WORK]])
         motion = np.ascontiguousarray(motion)
         return CameraFrame(self.camera(trial, level), motion, number)
 

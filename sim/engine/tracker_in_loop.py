@@ -56,6 +56,7 @@ class TrackerInLoop:
     def start(self, pose: Pose, frame: int) -> None:
         """Start the tracker with the first image and the target's corners in it."""
         self._pose = pose
+        self._camera.follow(pose)
         corners = self._camera.corners(pose) + self._start_error
         self._tracker.start(self._reference.grey(pose, frame), corners)
         self._corners[:] = corners
@@ -64,6 +65,7 @@ class TrackerInLoop:
     def update(self, pose: Pose, frame: int) -> None:
         """Give the tracker the next image and keep its result."""
         self._pose = pose
+        self._camera.follow(pose)
         image = self._camera.region(pose, frame, self._tracker.window())
         before = time.perf_counter_ns()
         track = self._tracker.update(image)

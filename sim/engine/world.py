@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera.arm_camera import ON_ARM, ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
-from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.optics import MOUNT_M, Optics
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
 from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, ArmSize, arm_size
@@ -22,6 +22,7 @@ from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.multibody.assembly import Mounting, fixed_box
 from seamark.sim.multibody.hull import Hull
 from seamark.sim.multibody.plant import ArmedPlant
+from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
@@ -38,7 +39,6 @@ from seamark.sim.sensors.depth import DepthGauge
 from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.experiment import ExperimentSettings
-from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
 from seamark.sim.vehicles.linkage import Linkage
@@ -84,6 +84,9 @@ class Conditions:
     trial: TrialConditions = NOMINAL
     # [m] forward and starboard of the body's origin: what counts instead of the vehicle's pose
     tool_m: tuple[float, float] | None = None
+    target: Target | None = None  # instead of the one of the settings
+    workpiece: Workpiece | None = None  # what an arm works on; its face is the target
+    encoder_bias: tuple[float, ...] = (0.0,)  # [rad] of each joint's, or of all
 
 
 @dataclass(slots=True, kw_only=True)
@@ -125,8 +128,9 @@ def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
         width=config.camera_width_px,
         height=config.camera_height_px,
         focal_px=config.camera_focal_px,
+        mount_m=config.camera_mount_m() or MOUNT_M,
     )
-    box = TARGETS[config.target]
+    box = config.target_shape()
     target = Target(
         length_m=box.length_m,
         width_m=box.width_m,
@@ -143,15 +147,31 @@ def program_optics(config: ExperimentSettings) -> dict[str, Optics]:
     return {camera: known[camera] for camera in config.cameras_of_program()}
 
 
-def build_camera(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
-    """Return the camera above the target: the part of a world that renders images."""
-    target, optics = target_and_optics(config)
+def build_camera(
+    config: ExperimentSettings,
+    water: Water,
+    *,
+    noise_seed: int,
+    target: Target | None = None,
+    workpiece: Workpiece | None = None,
+) -> Camera:
+    """Return the camera above the target: the part of a world that renders images.
+
+    `target` is used instead of that of the settings; `workpiece` is what the arm works on.
+    """
+    configured, optics = target_and_optics(config)
+    target = target or configured
     arm, effects = config.chosen_arm(), _effects(config)
     if arm is None:
         return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
     vehicle = load(config.vehicle)
     carried = vehicle, _mounted(arm, vehicle)
-    return ArmCamera(optics, water, target, carried, noise_seed=noise_seed, effects=effects)
+    return ArmCamera(
+        *(optics, water, target, carried),
+        workpiece=workpiece,
+        noise_seed=noise_seed,
+        effects=effects,
+    )
 
 
 def _mounted(arm: Linkage, vehicle: Vehicle) -> Mounting:
@@ -194,10 +214,18 @@ def build_world(
     """
     craft = build_craft(config, conditions, random)
     noise_seed = draw_noise_seed(random)
-    camera = build_camera(config, conditions.water, noise_seed=noise_seed)
-    reference = None
-    if conditions.reference is not None:
-        reference = build_camera(config, conditions.reference, noise_seed=noise_seed)
+
+    def camera_in(water: Water) -> Camera:
+        return build_camera(
+            config,
+            water,
+            noise_seed=noise_seed,
+            target=conditions.target,
+            workpiece=conditions.workpiece,
+        )
+
+    camera = camera_in(conditions.water)
+    reference = None if conditions.reference is None else camera_in(conditions.reference)
     tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
     parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
     return World(**parts, camera=camera, tracking=tracking)
@@ -206,15 +234,16 @@ def build_world(
 def build_craft(config: ExperimentSettings, conditions: Conditions, random: Streams) -> Craft:
     """Return the vehicle of one level at its start, without its camera."""
     target, optics = target_and_optics(config)
+    target = conditions.target or target
     station, trial = start_pose(optics, target, config.altitude_m), conditions.trial
     start = _start(optics, station, trial)
     nominal = load(config.vehicle)  # all that the velocity controller knows
     vehicle = varied(nominal, trial.vehicle)
     centre = (target.north_m, target.east_m)
     bottom = Bottom(target.seabed_m, _relief(config, random), centre=centre)
-    moved = _Moved(vehicle, conditions.current, bottom, target)
-    arm = _arm(config, moved, trial, random)
-    plant, contact = (arm.plant, None) if arm else _plant(config, moved, trial)
+    moved = _Moved(vehicle, conditions, bottom, target)
+    arm = _arm(config, moved, random)
+    plant, contact = (arm.plant, None) if arm else _plant(config, moved)
     plant.reset(start)
     return Craft(
         config=config,
@@ -247,45 +276,42 @@ class _Moved(NamedTuple):
     """What a plant moves, and where."""
 
     vehicle: Vehicle
-    current: Current
+    conditions: Conditions
     bottom: Bottom
     target: Target
 
 
-def _plant(
-    config: ExperimentSettings, moved: _Moved, trial: TrialConditions
-) -> tuple[Plant, Contact | None]:
+def _plant(config: ExperimentSettings, moved: _Moved) -> tuple[Plant, Contact | None]:
     """Return the plant of a vehicle without an arm."""
     contact = _contact(config, moved) if config.contact else None
     plant = Plant(
         moved.vehicle,
-        moved.current,
+        moved.conditions.current,
         step_s=config.physics_step_s,
         contact=contact,
         fault=_fault(config),
-        thruster_gains=trial.thruster_gains,
+        thruster_gains=moved.conditions.trial.thruster_gains,
     )
     return plant, contact
 
 
-def _arm(
-    config: ExperimentSettings, moved: _Moved, trial: TrialConditions, random: Streams
-) -> Arm | None:
+def _arm(config: ExperimentSettings, moved: _Moved, random: Streams) -> Arm | None:
     """Return the arm of the vehicle, if it has one, and the plant that moves both."""
-    linkage = config.chosen_arm()
+    linkage, conditions = config.chosen_arm(), moved.conditions
     if linkage is None or not isinstance(config, ArmSettings):
         return None
     mountings = [_mounted(linkage, moved.vehicle)]
-    if config.contact:
+    if config.contact and conditions.workpiece is None:
         mountings.append(fixed_box(_box(moved.target)))
     plant = ArmedPlant(
         moved.vehicle,
         mountings,
-        moved.current,
+        moved.conditions.current,
         moved.bottom if config.contact else None,
         step_s=config.physics_step_s,
         fault=_fault(config),
-        thruster_gains=trial.thruster_gains,
+        thruster_gains=conditions.trial.thruster_gains,
+        workpiece=conditions.workpiece,
     )
     efforts = [link.joint.effort for link in linkage.links]
     sensors = ArmSensors(
@@ -293,6 +319,7 @@ def _arm(
         readings=config.control_steps_per_level,
         efforts=np.array([effort.scalar for effort in efforts if effort]),
         scale=config.arm_noise,
+        encoder_bias=np.array(conditions.encoder_bias),
     )
     return Arm(plant=plant, sensors=sensors, size=arm_size(linkage))
 

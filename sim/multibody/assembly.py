@@ -97,6 +97,7 @@ class Assembly:
     feelers: tuple[str, ...] = ()  # those that may touch something
     force_sensor: Frame | None = None  # on the arm
     camera: Frame | None = None  # on the arm; it looks along x
+    tool: Frame | None = None  # tool centre point of the arm
     looks: tuple[Look, ...] = ()
 
     def state(self, model: Model) -> State:
@@ -150,6 +151,7 @@ def assemble(
         feelers=() if arm is None else _own(arm, arm.linkage.outer),
         force_sensor=None if arm is None else _spot(arm, arm.linkage.force_sensor, frames),
         camera=None if arm is None else _spot(arm, arm.linkage.camera, frames),
+        tool=None if arm is None else _spot(arm, arm.linkage.tool, frames),
         looks=tuple(_looks(vehicle, mountings, frames)),
     )
 

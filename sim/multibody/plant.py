@@ -13,7 +13,8 @@ from seamark.sim.multibody.mechanism import command_for, work_for
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Command, Model, State, Work, take_step
 from seamark.sim.multibody.tree import WORLD, place
-from seamark.sim.multibody.vectors import cross, dot, minus, rotate, three
+from seamark.sim.multibody.vectors import Vector, cross, dot, minus, rotate, three
+from seamark.sim.multibody.workpiece import MEASURED, Workpiece, measure, points_of
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.compilation import SameTypes
@@ -36,9 +37,9 @@ class Gauges(NamedTuple):
     link: Integers  # (1,) through whose joint the measured wrench goes, or WORLD
     point: Array  # (3,) [m] where it is measured, in the axes of that link
     turn: Array  # (3, 3) from the sensor's axes into the link's
-    part: Integers  # (s,) of each shape: the number of its feeler, or HULL, ARM, ELSEWHERE
+    part: Integers  # (s,) of each shape: the number of its feeler, or HULL, ARM, WORKPIECE, REST
     loads: Array  # (k, 6) of each joint in the last step
-    sums: Array  # (8 + a + f,) the fields of `Readings`, over steps
+    sums: Array  # (14 + a + f,) the fields of `Readings`, over steps
     force: Array  # (4,) on the hull, and on the arm, in one step
 
 
@@ -48,12 +49,14 @@ class Readings(NamedTuple):
     wrench: Array  # (6,) [N, N m] in the sensor's axes: what the arm gives to its outer part there
     hull_n: Array  # (1,) magnitude of the contact force on the hull
     peak_n: Array  # (1,) contact forces on the arm from outside it, added up: most in a step
+    push: Array  # (3,) [N] net contact force of the arm on the workpiece, world axes
     effort: Array  # (a,) [N m or N] of each motor
     touch_n: Array  # (f,) contact forces on each feeler, added up
+    work_n: Array  # (3,) contact forces on the workpiece by arm, hull, and all else, added up
 
 
-HULL, ARM, ELSEWHERE = -1, -2, -3
-_HULL, _PEAK, _EFFORT = 6, 7, 8
+HULL, ARM, WORKPIECE, REST = -1, -2, -3, -4
+_HULL, _PEAK, _PUSH, _WORK, _EFFORT = 6, 7, 8, 11, 14
 
 
 class ArmedPlant(Plant):
@@ -72,22 +75,25 @@ class ArmedPlant(Plant):
         step_s: float,
         fault: ThrusterFault | None = None,
         thruster_gains: tuple[float, ...] | None = None,
+        workpiece: Workpiece | None = None,
     ) -> None:
-        """Set up a plant; without a bottom nothing touches it.
+        """Set up a plant; without a bottom nothing touches it, but for the workpiece's things.
 
         `step_s` is that of sensors and commands; the mechanism moves in shorter ones.
 
         Raises
         ------
         ValueError
-            The current does not move the water but pushes the vehicle.
+            The current does not move the water but pushes the vehicle, or an arm without a tool
+            has a workpiece.
         """
         if current.water.law != RELATIVE:
             raise ValueError("a vehicle with an arm needs a current of the relative law")
         super().__init__(
             vehicle, current, step_s=step_s, fault=fault, thruster_gains=thruster_gains
         )
-        self.assembly = assemble(vehicle, mountings, bottom=bottom is not None)
+        things = () if workpiece is None else workpiece.things
+        self.assembly = assemble(vehicle, (*mountings, *things), bottom=bottom is not None)
         self.substeps = max(1, round(step_s / STEP_S))
         self._timing = Timing(step_s / self.substeps, ITERATIONS)
         self._model = self.assembly.mechanism.model(self._timing.step_s)
@@ -97,13 +103,17 @@ class ArmedPlant(Plant):
         self._parts = work_for(self._model)
         self._trim()
         self._ground = (bottom or Bottom(0.0)).ground()
-        self._gauges = _gauges(self.assembly, self._model)
+        self._gauges = _gauges(self.assembly, self._model, workpiece)
         self._means = np.zeros_like(self._gauges.sums)
         self.readings = _readings(self._means, len(self.assembly.motors))
         self._move = SameTypes(advance_and_measure)
         driven = [self.assembly.mechanism.number(name) for name in self.assembly.motors]
         self._coordinates = self._model.structure.coordinate[driven]
         self._rates = self._model.structure.speed[driven]
+        self.work = np.zeros(0 if workpiece is None else MEASURED)  # as `measure_work` left it
+        self._points = None if workpiece is None else points_of(workpiece, self.assembly)
+        self.grip_m = None if workpiece is None else workpiece.grip
+        self._measure = SameTypes(measure)
 
     def _trim(self) -> None:
         """Let the vehicle carry floats that lift as much as its arm weighs, so that it lies level.
@@ -181,6 +191,12 @@ class ArmedPlant(Plant):
         """Return the vehicle's acceleration over ground in the last step, body frame, (6,)."""
         return (self.mechanism.v[:6] - self._parts.before[:6]) / self._timing.step_s
 
+    def measure_work(self) -> None:
+        """Write where the workpiece is and how it moves to `work`, as `workpiece.measure` does."""
+        if self._points is not None:
+            q, v = self.mechanism.q, self.mechanism.v
+            self._measure.call(self._model, q, v, self._points, self._parts.frames, self.work)
+
     def joints(self) -> Array:
         """Return the coordinate of each motor's joint, (a,) [rad or m]."""
         return self.mechanism.q[self._coordinates]
@@ -195,31 +211,35 @@ def _readings(means: Array, motors: int) -> Readings:
     return Readings(
         wrench=means[:_HULL],
         hull_n=means[_HULL:_PEAK],
-        peak_n=means[_PEAK:_EFFORT],
+        peak_n=means[_PEAK:_PUSH],
+        push=means[_PUSH:_WORK],
+        work_n=means[_WORK:_EFFORT],
         effort=means[_EFFORT : _EFFORT + motors],
         touch_n=means[_EFFORT + motors :],
     )
 
 
-def _gauges(assembly: Assembly, model: Model) -> Gauges:
+def _gauges(assembly: Assembly, model: Model, workpiece: Workpiece | None) -> Gauges:
     mechanism, sensor = assembly.mechanism, assembly.force_sensor
     return Gauges(
         link=np.array([WORLD if sensor is None else mechanism.number(sensor.link)]),
         point=np.zeros(3) if sensor is None else sensor.point.copy(),
         turn=np.eye(3) if sensor is None else np.ascontiguousarray(sensor.turn),
-        part=np.array([_part(shape.name, assembly) for shape in mechanism.shapes]),
+        part=np.array([_part(shape.name, assembly, workpiece) for shape in mechanism.shapes]),
         loads=np.zeros((len(mechanism.links), 6)),
         sums=np.zeros(_EFFORT + len(assembly.motors) + len(assembly.feelers)),
         force=np.zeros(4),
     )
 
 
-def _part(shape: str, assembly: Assembly) -> int:
+def _part(shape: str, assembly: Assembly, workpiece: Workpiece | None) -> int:
     if shape in assembly.feelers:
         return assembly.feelers.index(shape)
     if shape in assembly.hull:
         return HULL
-    return ARM if shape in assembly.arm else ELSEWHERE
+    if workpiece is not None and shape in workpiece.shapes:
+        return WORKPIECE
+    return ARM if shape in assembly.arm else REST
 
 
 @njit(cache=True, error_model="numpy")
@@ -289,6 +309,7 @@ def _add_contacts(
                 total[i] += sign * force[i]
             if _of_arm(a) != _of_arm(b):
                 total[3] += size
+            _add_work(a, b, force, size, gauges)
     gauges.sums[_HULL] += math.sqrt(total[0] * total[0] + total[1] * total[1] + total[2] * total[2])
     gauges.sums[_PEAK] = max(gauges.sums[_PEAK], total[3])
 
@@ -296,3 +317,20 @@ def _add_contacts(
 @njit(cache=True, error_model="numpy", inline="always")
 def _of_arm(part: int) -> bool:
     return part >= 0 or part == ARM
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add_work(a: int, b: int, force: Vector, size: float, gauges: Gauges) -> None:
+    """Add a contact force on a part by another, if one of them is the workpiece."""
+    if (a == WORKPIECE) == (b == WORKPIECE):
+        return
+    other = a if b == WORKPIECE else b
+    if _of_arm(other):
+        gauges.sums[_WORK] += size
+        sign = 1.0 if a == WORKPIECE else -1.0
+        for i in range(3):
+            gauges.sums[_PUSH + i] += sign * force[i]
+    elif other == HULL:
+        gauges.sums[_WORK + 1] += size
+    else:
+        gauges.sums[_WORK + 2] += size

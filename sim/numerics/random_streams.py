@@ -10,7 +10,8 @@ import numpy as np
 PER_TRIAL = frozenset(  # the same in all levels of a trial
     {
         *("bottom", "trial_current", "trial_start", "trial_sensors"),
-        *("trial_delays", "trial_vehicle", "trial_order"),
+        *("trial_delays", "trial_vehicle", "trial_order", "trial_work"),
+        "trial_calibration",
     }
 )
 
@@ -38,6 +39,8 @@ class Streams:
     trial_vehicle: np.random.Generator
     trial_order: np.random.Generator
     arm: np.random.Generator
+    trial_work: np.random.Generator
+    trial_calibration: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

@@ -103,10 +103,38 @@ ARM_COLUMNS: tuple[Column, ...] = (
     ),
     Column("arm_peak_n", "N", "contact force on the arm from outside it, most since the last row"),
 )
+WORK_COLUMNS: tuple[Column, ...] = (
+    *_vector(
+        "workpiece_x workpiece_y workpiece_z",
+        "m",
+        "position of the origin of what is worked on, world frame",
+    ),
+    *_vector("workpiece_roll workpiece_pitch workpiece_yaw", "rad", "its attitude"),
+    *_vector(
+        "workpiece_u workpiece_v workpiece_w",
+        "m/s",
+        "its velocity over ground in its axes, if it moves freely, else 0",
+    ),
+    *_vector("workpiece_p workpiece_q workpiece_r", "rad/s", "its angular velocity likewise"),
+    Column("workpiece_joint", "rad", "coordinate of its joint, if it is on one, else 0"),
+    Column("workpiece_joint_speed", "rad/s", "speed of this joint"),
+    Column("reach", "m", "distance of the tool centre point from where it should grip"),
+    *_vector("tool_x tool_y tool_z", "m", "tool centre point of the arm, world frame"),
+    *_vector("tool_roll tool_pitch tool_yaw", "rad", "attitude of the tool, which points along x"),
+    Column("work_arm_n", "N", "contact force of the arm on the workpiece, mean since the last row"),
+    Column("work_hull_n", "N", "the same of the vehicle's hull"),
+    Column("work_rest_n", "N", "the same of the seabed and of all other things"),
+    Column("work_push_n", "N", "magnitude of the net contact force of the arm on it, mean as well"),
+    *_vector("work_fx work_fy work_fz", "N", "this net force, world frame"),
+)
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
-WIDTH, ARM_WIDTH = len(COLUMNS), len(ARM_COLUMNS)
+WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
 ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
+_WORK_START = WIDTH + ARM_WIDTH
+WORK_INDEX: dict[str, int] = {
+    column.name: _WORK_START + at for at, column in enumerate(WORK_COLUMNS)
+}
 STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -116,11 +144,22 @@ def has_arm(width: int) -> bool:
     return width >= WIDTH + ARM_WIDTH
 
 
+def has_work(width: int) -> bool:
+    """Return whether rows of this width are those of an arm that works on something."""
+    return width >= WIDTH + ARM_WIDTH + WORK_WIDTH
+
+
+def _before_thrusts(width: int) -> int:
+    """Return how many columns come before those of further thrusters."""
+    return WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
+
+
 def columns(width: int) -> tuple[Column, ...]:
     """Return the columns of rows of this width."""
     arm = ARM_COLUMNS if has_arm(width) else ()
-    more = width - WIDTH - len(arm)
-    return (*COLUMNS, *arm, *map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + more)))
+    work = WORK_COLUMNS if has_work(width) else ()
+    more = width - _before_thrusts(width)
+    return (*COLUMNS, *arm, *work, *map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + more)))
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -128,9 +167,13 @@ def names(width: int) -> tuple[str, ...]:
     return tuple(column.name for column in columns(width))
 
 
-def width_for(thrusters: int, *, arm: bool = False) -> int:
-    """Return the width of a row for a vehicle with this number of thrusters, and perhaps an arm."""
-    return WIDTH + arm * ARM_WIDTH + max(thrusters - COMMON_THRUSTERS, 0)
+def width_for(thrusters: int, *, arm: bool = False, work: bool = False) -> int:
+    """Return the width of a row for a vehicle with this number of thrusters.
+
+    `arm` is whether it has an arm, `work` whether that works on something.
+    """
+    own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH
+    return own + max(thrusters - COMMON_THRUSTERS, 0)
 
 
 def numbered(name: str, count: int) -> tuple[str, ...]:
@@ -147,7 +190,7 @@ def thrusts(rows: Rows) -> Rows:
     """Return the thrust columns of rows, (k, 8 or more) [N]."""
     first = INDEX["thrust_0"]
     common = rows[:, first : first + COMMON_THRUSTERS]
-    further = rows[:, WIDTH + has_arm(rows.shape[1]) * ARM_WIDTH :]
+    further = rows[:, _before_thrusts(rows.shape[1]) :]
     return np.hstack([common, further]) if further.shape[1] else common
 
 

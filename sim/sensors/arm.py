@@ -21,7 +21,13 @@ class ArmSensors:
     """The sensors of one arm over one level."""
 
     def __init__(
-        self, rng: np.random.Generator, *, readings: int, efforts: Array, scale: float
+        self,
+        rng: np.random.Generator,
+        *,
+        readings: int,
+        efforts: Array,
+        scale: float,
+        encoder_bias: Array | float = 0.0,
     ) -> None:
         """Set up sensors.
 
@@ -33,6 +39,8 @@ class ArmSensors:
             Greatest effort of each motor.
         scale : float
             By which all noise is multiplied.
+        encoder_bias : (a,) [rad or m], optional
+            Constant error of each encoder.
         """
         motors = len(efforts)
         sigmas = [
@@ -44,6 +52,7 @@ class ArmSensors:
         ]
         sigma = scale * np.concatenate(sigmas)
         self._noise = sigma * rng.standard_normal((readings, len(sigma)))
+        self._noise[:, :motors] += encoder_bias
 
     def read(self, reading: int, true: Array, touch_n: Array, out: Array) -> None:
         """Write what is read at a control step.

@@ -12,7 +12,7 @@ from seamark.sim.registry import TRUTH, VEHICLES
 from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.setting import setting
-from seamark.sim.settings.targets import TARGETS
+from seamark.sim.settings.targets import TARGETS, TargetShape
 from seamark.sim.settings.thruster_faults import FaultSettings
 from seamark.sim.vehicles import is_known, load, most_thrusters, own
 from seamark.sim.vehicles.linkage import Linkage
@@ -176,6 +176,18 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return the vehicle's arm, if there is one: none, unless overridden."""
         return None
 
+    def target_shape(self) -> TargetShape:
+        """Return the box that the camera looks at: the chosen one, unless overridden."""
+        return TARGETS[self.target]
+
+    def camera_mount_m(self) -> tuple[float, float, float] | None:
+        """Return where the vehicle's camera is on the body [m]; None: as in UWSim."""
+        return None
+
+    def has_workpiece(self) -> bool:
+        """Return whether the arm works on something that telemetry follows."""
+        return False
+
     def vehicles(self) -> tuple[str, ...]:
         """Return the vehicles that take turns from trial to trial: one, unless overridden."""
         return (self.vehicle,)
@@ -198,7 +210,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def _image_errors(self) -> dict[str, str]:
         """Return setting -> message for images in which no tracker could start."""
         errors: dict[str, str] = {}
-        box = TARGETS[self.target]
+        box = self.target_shape()
         long, short = (
             side * self.camera_focal_px / self.altitude_m for side in (box.length_m, box.width_m)
         )
@@ -256,7 +268,9 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return how many rows a trial has, one per control step, and how many columns."""
         thrusters = max(len(load(name).thrusters) for name in self.vehicles())
         rows = len(self.level_values()) * self.control_steps_per_level
-        return rows, width_for(thrusters, arm=self.chosen_arm() is not None)
+        return rows, width_for(
+            thrusters, arm=self.chosen_arm() is not None, work=self.has_workpiece()
+        )
 
     @property
     def physics_steps_per_control_step(self) -> int:

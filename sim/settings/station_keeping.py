@@ -3,18 +3,14 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import overall
-from seamark.sim.settings.current import CurrentSettings
+from seamark.sim.settings.current_levels import CurrentLevels
 from seamark.sim.settings.custom_score import custom_score_setting
-from seamark.sim.settings.experiment import ExperimentSettings, experiment_setting
-from seamark.sim.settings.grid import SPEED, GridSettings
+from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.position_controllers import PositionControllerSettings
 
 
-class StationKeepingSettings(
-    PositionControllerSettings, ExperimentSettings, GridSettings, CurrentSettings
-):
+class StationKeepingSettings(PositionControllerSettings, CurrentLevels):
     """A vehicle in closed loop above the target, in a current that grows from level to level."""
 
     levels: tuple[float, ...] = experiment_setting(
@@ -42,23 +38,13 @@ class StationKeepingSettings(
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
-        errors = self.current_errors()
-        if any(b <= a for a, b in zip(self.levels, self.levels[1:], strict=False)):
-            errors["levels"] = "levels (Current levels) must increase from one to the next."
+        errors: dict[str, str] = {}
         if self.settle_s >= self.level_duration_s:
             errors["settle_s"] = (
                 f"settle_s (Settle window) must be shorter than a level of "
                 f"{self.level_duration_s:g} s, not {self.settle_s:g} s."
             )
         return errors | super().cross_field_errors() or self.grid_errors()
-
-    def level_metric(self) -> Metric:
-        """Return the current's speed."""
-        return Metric("speed", "Current", "m/s", "higher")
-
-    def level_values(self) -> tuple[float, ...]:
-        """Return the mean speeds [m/s]; in a grid, of each of its points."""
-        return tuple(point[SPEED] for point in self.points())
 
     def base_levels(self) -> tuple[float, ...]:
         """Return the mean speeds [m/s] without a grid."""

@@ -8,7 +8,6 @@ from functools import partial
 
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.setting import setting
-from seamark.sim.settings.targets import TARGETS
 
 GROUP = "Drawn per trial"
 spread_setting = partial(setting, group=GROUP, role="scenario", advanced=True)
@@ -212,7 +211,7 @@ class TrialSpreadSettings(ExperimentSettings):
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
-        box = TARGETS[self.target]
+        box = self.target_shape()
         metres = self.altitude_m / self.camera_focal_px
         half_view = 0.5 * metres * min(self.camera_width_px, self.camera_height_px)
         most = (half_view - 0.5 * math.hypot(box.length_m, box.width_m)) / math.sqrt(2.0)

@@ -170,6 +170,8 @@ def _tool(arm: Linkage) -> Iterator[str]:
     for what in ("camera", "force_sensor"):
         if getattr(arm, what) is None:
             yield f"There is no {what}: programs will not have its readings."
+    if arm.tool is None:
+        yield "There is no tool: how far the hand is from what it should take is not recorded."
 
 
 def _pairs(arm: Linkage) -> Sequence[list[str]]:

@@ -118,7 +118,7 @@ class LinkData:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spot:
-    """A place on a link: of a camera, or where a force is measured."""
+    """A place on a link: of a camera, of the tool centre point, or where a force is measured."""
 
     link: str
     place: Place
@@ -142,6 +142,7 @@ class Linkage:
     hull: tuple[str, ...] = ()
     camera: Spot | None = None
     force_sensor: Spot | None = None
+    tool: Spot | None = None  # tool centre point; the tool points along x
 
     def link(self, name: str) -> LinkData:
         """Return a link by its name."""
@@ -169,7 +170,7 @@ class Linkage:
                 for value in values:
                     if isinstance(value, Quantity):
                         yield f"{link.name}: {value.meaning}", value
-        for spot in (self.camera, self.force_sensor):
+        for spot in (self.camera, self.force_sensor, self.tool):
             if spot:
                 yield f"{spot.link}: place", spot.place.point
                 yield f"{spot.link}: turn", spot.place.turn

@@ -42,7 +42,7 @@ PAIRS_MAX, OUTER_MAX = 32, 12  # what a step looks at
 RANGE_MAX = 4.0 * math.pi  # [rad or m] to each side
 _TOP = (
     *("format", "kind", "name", "title", "summary", "sources", "links", "touches", "outer"),
-    *("hull", "camera", "force_sensor"),
+    *("hull", "camera", "force_sensor", "tool"),
 )
 _JOINT = ("kind", *PLACE_KEYS)
 _MOVING = (*_JOINT, "axis", "range", "home", "effort", "speed", "friction", "rotor", "follows")
@@ -112,7 +112,9 @@ class _Reader(Fields):
         names = {link.name for link in links}
         touches = self._touches(shapes)
         outer, hull = (self._shapes_of(key, shapes) for key in ("outer", "hull"))
-        camera, sensor = (self._spot(key, names) for key in ("camera", "force_sensor"))
+        camera, sensor, tool = (
+            self._spot(key, names) for key in ("camera", "force_sensor", "tool")
+        )
         name, title = self.name(document), self.text("", document, "title")
         summary = self.text("", document, "summary")
         if self.errors:
@@ -128,6 +130,7 @@ class _Reader(Fields):
             hull=hull,
             camera=camera,
             force_sensor=sensor,
+            tool=tool,
         )
 
     def _check_name(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""A vehicle with an arm, seen on the page of its run."""
+"""A vehicle with an arm, and what it works on, seen on the page of its run."""
 
 import re
 
@@ -36,4 +36,35 @@ def test_an_arm_stands_in_the_scene_its_camera_can_be_chosen_and_its_joints_char
     page.get_by_text("Choose charts").click()
     page.get_by_label("Joints [rad]").check()
     expect(page.get_by_role("img", name=re.compile("Joints"))).to_be_visible()
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+RECOVER = {
+    "benchmark": "recover-v1",
+    "controller": "scripted",
+    "seed": 2026,
+    "config": {"levels": [0.0], "level_duration_s": 22.0},
+}
+
+
+def test_stages_are_bands_of_the_time_line_and_the_box_rises_with_the_hand(
+    visitor: Visitor,
+) -> None:
+    visitor.sign_up("recovering")
+    number = visitor.submit(RECOVER)
+    visitor.wait_elsewhere(number)
+    page = visitor.page
+    page.set_viewport_size({"width": 390, "height": 844})
+
+    visitor.open(f"/runs/{number}#t=21")
+
+    bands = page.locator("[data-stages] i")
+    expect(bands.first).to_be_attached()
+    labels = page.locator("[data-stage-legend] li")
+    expect(labels).to_have_count(5)
+    third = page.locator('[data-stages] [data-stage="2"]')
+    third.click()
+    expect(page.locator(".stage-note")).to_contain_text("Taken off the seabed")
+    expect(page.locator("[data-numbers]")).to_contain_text("StageTaken off the seabed")
+    expect(page.locator('[data-label="push"]')).to_have_text(re.compile(r"^\d+ N$"))
     assert (visitor.errors, visitor.violations()) == ([], [])

@@ -51,6 +51,7 @@ static const struct field FIELDS[] = {
     {"attitude", AT(attitude), 3, 0},
     {"rates", AT(rates), 3, 0},
     {"thrust", AT(thrust), 8, 0},
+    {"corners", AT(corners), 8, 0},
     {"joints", AT(joints), SEAMARK_MOST_JOINTS, 0},
     {"joint_speeds", AT(joint_speeds), SEAMARK_MOST_JOINTS, 0},
     {"joint_efforts", AT(joint_efforts), SEAMARK_MOST_JOINTS, 0},

@@ -49,6 +49,7 @@ typedef struct seamark_observation {
     double thrust[8];    /* [N] last commanded thrust of each thruster; 0 if there is none */
     int thrusters;       /* number of thrusters */
     /* For a vehicle with an arm, in the order of the command: */
+    double corners[8];                          /* [px] of the target by the tracker, x0 y0 to x3 y3 */
     int joints_count;                           /* number of joints with a motor; 0 without an arm */
     double joints[SEAMARK_MOST_JOINTS];         /* [rad or m] */
     double joint_speeds[SEAMARK_MOST_JOINTS];   /* [rad/s or m/s] */

@@ -1,6 +1,7 @@
 """An arm as standard messages: its joints, the force at its wrist, and where its links are.
 
 The links keep the axes of the arm's file; the first ones hang on the vehicle's `base_link_frd`.
+What the arm works on is placed in the world, with the axes of its file as well.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from seamark.formats.recording import Recording
 from seamark.formats.ros import frames, geometry
 from seamark.formats.ros.geometry import Message, Stamp
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, Rows
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, Rows, has_work
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.model import Place
@@ -23,9 +24,10 @@ TOPICS = {
     "/joint_states": "sensor_msgs/msg/JointState",
     "/arm/wrench": "geometry_msgs/msg/WrenchStamped",
 }
-MOUNT, SENSOR = "arm/mount", "arm/force_sensor"
+MOUNT, SENSOR, TOOL, WORKPIECE = "arm/mount", "arm/force_sensor", "arm/tool", "workpiece"
 _COLUMNS = {"position": "joint_0", "velocity": "joint_speed_0", "effort": "joint_effort_0"}
 _WRENCH = ARM_INDEX["wrist_fx"]
+_WORK = WORK_INDEX["workpiece_x"]
 Quaternion = tuple[float, float, float, float]  # x, y, z, w
 
 
@@ -57,6 +59,10 @@ class Arm:
         vehicle = self._config.for_trial(int(row[INDEX["trial"]])).vehicle
         mount = load(vehicle).mounts[self._arm.name]
         yield "/tf", {"transforms": [_placed(frames.BASE_FRD, MOUNT, stamp, mount), *moved]}
+        if has_work(len(row)):
+            position, attitude = np.split(row[_WORK : _WORK + 6], 2)
+            at = position.tolist(), _quaternion(*attitude.tolist())
+            yield "/tf", {"transforms": [geometry.transform(frames.MAP_NED, WORKPIECE, stamp, *at)]}
 
     def static_transforms(self, stamp: Stamp) -> list[Message]:
         """Return where those parts are that do not move."""
@@ -65,10 +71,10 @@ class Arm:
             for link in self._arm.links
             if self._coordinate(link, [0.0] * len(self._motors)) is None
         ]
-        sensor = self._arm.force_sensor
-        if sensor is not None:
-            fixed.append(_placed(_name(sensor.link), SENSOR, stamp, sensor.place))
-        return fixed
+        spots = ((SENSOR, self._arm.force_sensor), (TOOL, self._arm.tool))
+        return fixed + [
+            _placed(_name(spot.link), name, stamp, spot.place) for name, spot in spots if spot
+        ]
 
     def _coordinate(self, link: LinkData, joints: list[float]) -> float | None:
         """Return the coordinate of a link's joint; None if it does not move."""

@@ -13,7 +13,7 @@ from seamark.formats.recording import Recording
 from seamark.formats.ros import frames, geometry
 from seamark.formats.ros.geometry import Message, Stamp
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import INDEX
+from seamark.sim.recording.telemetry import INDEX, has_work
 
 if TYPE_CHECKING:
     from seamark.sim.engine.replay import CameraFrame, Replay
@@ -45,10 +45,11 @@ class Pictures:
         """Yield topic and message of what belongs to the image at a row."""
         frame = self.replay.frame(row)
         header = geometry.header(stamp, frames.CAMERA)
-        pose = _target_pose(frame)
-        target = geometry.transform(frames.MAP, frames.TARGET, stamp, *pose)
-        yield "/tf", {"transforms": [target]}
-        yield "/target/pose", geometry.pose_stamped(*pose, stamp)
+        if not has_work(len(row)):  # a target that an arm works on is a moving link of its own
+            pose = _target_pose(frame)
+            target = geometry.transform(frames.MAP, frames.TARGET, stamp, *pose)
+            yield "/tf", {"transforms": [target]}
+            yield "/target/pose", geometry.pose_stamped(*pose, stamp)
         yield "/camera/camera_info", _camera_info(frame, header)
         data = jpeg(frame.colour())
         yield "/camera/image/compressed", {"header": header, "format": "jpeg", "data": data}

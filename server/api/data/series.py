@@ -21,6 +21,7 @@ from seamark.server.api.requests.schemas import (
 from seamark.server.runs.data.downsampling import BLOCK_ROWS, extremes_of_rows
 from seamark.server.runs.data.error_curve import error_column
 from seamark.server.runs.showing.moments import moments as find_moments
+from seamark.server.runs.showing.moments import stages_of
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.sim.recording.telemetry import INDEX
@@ -84,10 +85,12 @@ def series_of(files: RunFiles, query: SeriesQuery, *, final: bool) -> dict[str, 
 def moments(path: RunPath, query: TrialQuery) -> dict[str, Any]:
     """Return when the levels of a trial began, its largest error, and when the target was lost.
 
+    Where an arm works on something, also when each stage of the work was reached.
     The error is that of the tracker where trackers are compared, else the distance to the station.
     """
     view = access.run_for(path.run_id)
-    return find_moments(access.files_of(view), query.trial, error_column(view.benchmark))
+    error = error_column(view.benchmark)
+    return find_moments(access.files_of(view), query.trial, error, stages_of(view))
 
 
 def _numbers(values: Rows) -> list[float | None]:

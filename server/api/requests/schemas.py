@@ -240,6 +240,9 @@ class MomentsResponse(ResponseModel):
     largest_error: dict[str, Any] | None = Field(description="`column`, `t` and `value`")
     losses: list[float] = Field(description="When the tracker lost the target; the first 200")
     touches: list[float] = Field(description="When the hull first touched something in a level")
+    stages: list[dict[str, float]] | None = Field(
+        None, description="Of interventions: `level`, `stage` from 0, and `t` when it was reached"
+    )
 
 
 class UserPath(BaseModel):

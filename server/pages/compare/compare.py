@@ -120,7 +120,12 @@ def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, 
     return {
         "api": f"/api/v1/compare?runs={','.join(str(run.id) for run in runs)}",
         "runs": [
-            {"id": run.id, "api": f"/api/v1/runs/{run.id}", "columns": _columns(run)}
+            {
+                "id": run.id,
+                "api": f"/api/v1/runs/{run.id}",
+                "columns": _columns(run),
+                "stages": registry.benchmark(run.benchmark).stage_labels,
+            }
             for run in runs
         ],
         "trial_s": max(_trial_s(run) for run in runs),

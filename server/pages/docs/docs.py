@@ -209,8 +209,14 @@ def _scores() -> Iterator[tuple[Benchmark, str]]:
 
 def _telemetry() -> dict[str, Any]:
     columns = [(one.name, one.unit, one.meaning) for one in telemetry.COLUMNS]
-    alike = groupby(telemetry.ARM_COLUMNS, key=lambda one: (one.unit, one.meaning))
-    return {"columns": columns, "arm_columns": [(_from_to(each), *key) for key, each in alike]}
+    arm, work = _alike(telemetry.ARM_COLUMNS), _alike(telemetry.WORK_COLUMNS)
+    return {"columns": columns, "arm_columns": arm, "work_columns": work}
+
+
+def _alike(columns: Iterable[telemetry.Column]) -> list[tuple[str, str, str]]:
+    """Return names, unit and meaning of columns; those that mean the same are one row."""
+    alike = groupby(columns, key=lambda one: (one.unit, one.meaning))
+    return [(_from_to(each), *key) for key, each in alike]
 
 
 def _from_to(columns: Iterable[telemetry.Column]) -> str:

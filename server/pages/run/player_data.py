@@ -48,6 +48,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "arm": telemetry.has_arm(width),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": charts,
+        "stages": benchmark.stage_labels,
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
             for column in telemetry.columns(width)
@@ -62,8 +63,10 @@ def _width(files: RunFiles, config: Configuration) -> int:
     """Return how many columns the rows have, or will have: a live page wants them as they come."""
     if files.row_count():
         return len(files.columns)
-    arm = config.chosen_arm() if isinstance(config, ExperimentSettings) else None
-    return telemetry.width_for(telemetry.COMMON_THRUSTERS, arm=arm is not None)
+    if not isinstance(config, ExperimentSettings):
+        return telemetry.width_for(telemetry.COMMON_THRUSTERS)
+    arm, work = config.chosen_arm() is not None, config.has_workpiece()
+    return telemetry.width_for(telemetry.COMMON_THRUSTERS, arm=arm, work=work)
 
 
 def _charts(run: RunView, charts: Sequence[Chart]) -> list[dict[str, Any]]:

@@ -69,8 +69,10 @@ class RunFiles:
         """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
         written = self._written_names()
         thrusters = sum(name.startswith("thrust_") for name in written)
-        arm = telemetry.ARM_COLUMNS[0].name in written
-        return telemetry.names(telemetry.width_for(thrusters, arm=arm))
+        arm, work = (
+            first.name in written for first in (telemetry.ARM_COLUMNS[0], telemetry.WORK_COLUMNS[0])
+        )
+        return telemetry.names(telemetry.width_for(thrusters, arm=arm, work=work))
 
     def attempts(self) -> list[int]:
         """Return the attempts that have files."""

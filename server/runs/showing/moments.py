@@ -1,6 +1,11 @@
-"""Moments of a trial that a viewer jumps to: where levels begin, largest error, losses, touches."""
+"""Moments of a trial that a viewer jumps to.
 
+Where levels begin, largest error, losses, touches, and stages.
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -8,9 +13,12 @@ from numpy.typing import NDArray
 
 from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.views import RunView
+from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX, Rows
 
 Flags = NDArray[np.bool_]
+_SAME_TIME_S = 1e-6
 LOSSES_MAX = 200  # listed, the earliest ones
 
 
@@ -52,7 +60,21 @@ class _Moments:
         self.touched = goes_on or bool((touched == level[-1]).any())
 
 
-def moments(files: RunFiles, trial: int, error: str) -> dict[str, Any]:
+Reached = Callable[[Rows], tuple[int, ...]]  # of the rows of a level: those that reached stages
+
+
+def stages_of(run: RunView) -> Reached | None:
+    """Return what finds the stages of a run in the rows of a level; None without stages."""
+    stages = registry.benchmark(run.benchmark).stages
+    if stages is None:
+        return None
+    config: Any = registry.benchmark(run.benchmark).restore(run.config)
+    return lambda rows: stages.reached(rows, config.control_period_s)
+
+
+def moments(
+    files: RunFiles, trial: int, error: str, reached: Reached | None = None
+) -> dict[str, Any]:
     """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts.
 
     A loss is where the tracker begins to report that it has no target, in each level anew; a touch
@@ -63,9 +85,22 @@ def moments(files: RunFiles, trial: int, error: str) -> dict[str, Any]:
     for start in range(first, after, BLOCK_ROWS):
         events.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
     largest = {"column": error, "t": events.error_t, "value": events.error}
-    return {
+    found = {
         "levels": events.levels,
         "largest_error": largest if events.error_t is not None else None,
         "losses": events.losses,
         "touches": events.touches,
     }
+    if reached is None:
+        return found
+    starts = [files.rows_until(trial, level["t"] - _SAME_TIME_S) for level in events.levels]
+    return found | {"stages": list(_stages(files, [*starts, after], reached))}
+
+
+def _stages(files: RunFiles, bounds: list[int], reached: Reached) -> Iterator[dict[str, Any]]:
+    """Yield level, number and time of each stage that was reached, given where levels begin."""
+    for start, end in pairwise(bounds):
+        rows = files.rows(start, end)
+        for stage, at in enumerate(reached(rows)):
+            level, t = rows[at, INDEX["level"]], rows[at, INDEX["t"]]
+            yield {"level": int(level), "stage": stage, "t": float(t)}

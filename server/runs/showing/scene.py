@@ -6,7 +6,7 @@ north, east, down; body frame forward, starboard, down.
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,11 @@ from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.model import Place
 from seamark.sim.vehicles.solids import Solid
 
+if TYPE_CHECKING:
+    from seamark.sim.camera.camera import Camera
+    from seamark.sim.multibody.assembly import Mounting
+    from seamark.sim.multibody.workpiece import Workpiece
+
 TEXTURE_PX = 512  # side of the seabed's picture; a texel of it is 1 cm
 Part = Literal["seabed", "target"]
 Surface = NDArray[np.uint8]
@@ -34,7 +39,7 @@ def has_level(run: RunView, trial: int, level: int) -> bool:
 
 
 def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dict[str, Any]:
-    """Return vehicle, target, camera and water of a level.
+    """Return vehicle, target, camera and water of a level, and what an arm works on, if it does.
 
     The vehicle is null if the camera moves alone, or if it was the user's own and is deleted.
     """
@@ -42,6 +47,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         target, optics, water = camera.target, camera.optics, camera.water
         effects, ground = camera.effects, camera.ground
+        work = _workpiece(camera)
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
@@ -69,7 +75,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
             "cone": effects.lamp_cone_rad,
             "forward": LAMP_FORWARD_M,
         },
-    }
+    } | ({} if work is None else {"workpiece": work_shape(work)})
 
 
 def vehicle_shape(vehicle: Vehicle, arm: Linkage | None = None) -> dict[str, Any]:
@@ -101,6 +107,7 @@ def _solids(solids: Iterable[Solid]) -> list[dict[str, Any]]:
             "colour": one.paint.colour,
             "livery": one.paint.livery,
         }
+        | ({"lettered": True} if one.lettered else {})
         for one in solids
     ]
 
@@ -125,6 +132,59 @@ def _arm_shape(arm: Linkage, mount: Place) -> dict[str, Any]:
     }
 
 
+def _workpiece(camera: "Camera") -> "Workpiece | None":
+    """Return what the arm of the vehicle with this camera works on."""
+    from seamark.sim.camera.arm_camera import ArmCamera  # noqa: PLC0415 - loads compiled code
+
+    return camera.workpiece if isinstance(camera, ArmCamera) else None
+
+
+def work_shape(work: "Workpiece") -> dict[str, Any]:
+    """Return the things, of which the columns of the workpiece move one, and the face of that.
+
+    `face` is in the axes of a link of a thing, or of the world: corners as one reads its letters.
+    """
+    numbers = {
+        f"{thing.prefix}{link.name}": (number, index)
+        for number, thing in enumerate(work.things)
+        for index, link in enumerate(thing.linkage.links)
+    }
+    link = work.face.link
+    return {
+        "things": [_thing_shape(thing, work.link) for thing in work.things],
+        "face": {
+            "link": None if link is None else numbers[link],
+            "corners": work.corners().tolist(),
+        },
+    }
+
+
+def _thing_shape(thing: "Mounting", followed: str) -> dict[str, Any]:
+    names = [link.name for link in thing.linkage.links]
+    return {
+        **_place(thing.place),
+        "links": [
+            {
+                "parent": None if link.parent is None else names.index(link.parent),
+                **_place(link.joint.place),
+                "joint": _work_joint(link, followed.removeprefix(thing.prefix)),
+                "solids": _solids(link.solids),
+            }
+            for link in thing.linkage.links
+        ],
+    }
+
+
+def _work_joint(link: LinkData, followed: str) -> dict[str, Any] | None:
+    """Return how a link moves with the columns of the workpiece; None if it stands."""
+    joint = link.joint
+    leader, ratio = joint.follows or (link.name, 1.0)
+    if leader != followed:
+        return None
+    free = joint.kind == "free"
+    return {"kind": joint.kind} | ({} if free else {"axis": joint.axis, "ratio": ratio})
+
+
 def _place(place: Place) -> dict[str, Any]:
     return {"place": place.point.value, "turn": place.turn.value}
 
@@ -140,10 +200,15 @@ def _joint(link: LinkData, motors: Sequence[str]) -> dict[str, Any] | None:
 
 
 def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:
-    """Return the seabed's tile, columns to the north and rows to the east, or the target's top."""
+    """Return the seabed's tile, columns to the north and rows to the east, or the target's top.
+
+    With a workpiece, that is what cameras see on the upper side of its box with letters.
+    """
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         if part == "target":
-            return jpeg(_top_of(camera.target))
+            work = _workpiece(camera)
+            lettered = None if work is None else _lettered(work)
+            return jpeg(_top_of(camera.target) if lettered is None else _letters_on(lettered))
         ground = camera.ground
     return _seabed(ground)
 
@@ -167,6 +232,18 @@ def _seabed(ground: str) -> bytes:
         planes = [pictures.tile(ground)] * 3
     small = cv2.resize(np.dstack(planes), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_AREA)
     return jpeg(small.astype(np.uint8))
+
+
+def _lettered(work: "Workpiece") -> Solid | None:
+    solids = (one for thing in work.things for link in thing.linkage.links for one in link.solids)
+    return next((one for one in solids if one.lettered), None)
+
+
+def _letters_on(solid: Solid) -> Surface:
+    from seamark.sim.camera.bodies import UPPER, lettered_face  # noqa: PLC0415 - loads OpenCV
+    from seamark.sim.camera.seabed import quantise  # noqa: PLC0415 - loads compiled code
+
+    return np.dstack([quantise(lettered_face(solid, channel, UPPER)) for channel in (2, 1, 0)])
 
 
 def _top_of(target: Any) -> Surface:

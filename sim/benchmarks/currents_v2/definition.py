@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from seamark.sim.benchmarks.arm_charts import ARM_CHARTS
 from seamark.sim.benchmarks.benchmark import (
     Baseline,
-    Chart,
     Midpoint,
     RankedProtocol,
     StartingPoint,
@@ -17,7 +17,6 @@ from seamark.sim.benchmarks.station_keeping.definition import station_keeping_be
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import KEY_METRICS, METRICS, WHOLE
-from seamark.sim.recording.telemetry import ARM_FEELERS, ARM_JOINTS, numbered
 from seamark.sim.settings.arm import GROUP as ARM
 from seamark.sim.settings.trial_spreads import GROUP
 
@@ -45,13 +44,6 @@ def _point(level: Mapping[str, Any]) -> tuple[float, float] | None:
     return None if quality is None else (float(level["speed"]), float(quality))
 
 
-ARM_CHARTS = (
-    Chart("Joints", "rad", numbered("joint", ARM_JOINTS)),
-    Chart("Joint speed commands", "rad/s", numbered("joint_ref", ARM_JOINTS)),
-    Chart("Joint torques", "N m", numbered("joint_effort", ARM_JOINTS)),
-    Chart("Force at the wrist", "N", ("wrist_fx", "wrist_fy", "wrist_fz")),
-    Chart("Touch of the hand", "N", (*numbered("touch", ARM_FEELERS), "arm_peak_n")),
-)
 _BENCHMARK = station_keeping_benchmark(
     name="currents-v2",
     title="Position controllers in unknown currents",

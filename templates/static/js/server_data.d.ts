@@ -38,6 +38,7 @@ export interface PlayerData {
   level: { label: string; unit: string };
   step_s: number;
   charts: Chart[];
+  stages: string[]; // of a level, in their order; none but in interventions
   columns: Column[];
   api: string;
   events_after: string;
@@ -61,6 +62,7 @@ export interface Moments {
   losses: number[];
   touches: number[];
   largest_error: { t: number } | null;
+  stages?: { level: number; stage: number; t: number }[];
 }
 
 export type Triple = [number, number, number];
@@ -71,6 +73,7 @@ export interface Solid {
   centre: Triple;
   colour: string;
   livery: boolean;
+  lettered?: boolean; // on its upper side
 }
 
 export interface Placed {
@@ -88,6 +91,21 @@ export interface ArmLink extends Placed {
 export interface ArmShape extends Placed {
   links: ArmLink[];
   force_sensor: ({ link: number } & Placed) | null;
+}
+
+/** `free`: the columns of the workpiece are its place in the world. */
+export type WorkJoint = { kind: "free" } | { kind: "revolute" | "prismatic"; axis: Triple; ratio: number };
+
+export interface WorkLink extends Placed {
+  parent: number | null;
+  joint: WorkJoint | null;
+  solids: Solid[];
+}
+
+/** What an arm works on; `face`: what trackers follow, [thing, link], null in the world. */
+export interface WorkShape {
+  things: ({ links: WorkLink[] } & Placed)[];
+  face: { link: [number, number] | null; corners: Triple[] };
 }
 
 export interface VehicleShape {
@@ -129,6 +147,7 @@ export interface LightData {
 export interface SceneData {
   vehicle: VehicleShape | null;
   target: TargetShape;
+  workpiece?: WorkShape; // instead of the target
   seabed: { depth: number; tile: number };
   camera: Optics;
   water: WaterData;
@@ -177,7 +196,7 @@ export interface ComparedChart {
 /** `compare-data` of the page that compares runs. */
 export interface CompareData {
   api: string;
-  runs: { id: number; api: string; columns: { name: string }[] }[];
+  runs: { id: number; api: string; columns: { name: string }[]; stages: string[] }[];
   trial_s: number;
   trials: number;
   levels: string[];

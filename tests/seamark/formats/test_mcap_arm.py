@@ -1,5 +1,6 @@
 """MCAP: the arm of a vehicle as ROS programs read it."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,25 +27,29 @@ def rows() -> Rows:
     return run(Moving(COMMAND))
 
 
-@pytest.fixture(scope="module")
-def messages(rows: Rows) -> Messages:
-    config = registry.benchmark(BENCHMARK).read(SHORT)
-    described = manifest(
-        BENCHMARK, config, seed=SEED, trials=1, controller="pi", digest=telemetry.digest(rows)
-    )
-    recording = Recording(
+def recording_of(
+    rows: Rows, benchmark: str, settings: Mapping[str, object], *, seed: int
+) -> Recording:
+    """Return the recording of a run with one trial."""
+    config, digest = registry.benchmark(benchmark).read(settings), telemetry.digest(rows)
+    described = manifest(benchmark, config, seed=seed, trials=1, controller="pi", digest=digest)
+    return Recording(
         title="Run 12",
-        benchmark=BENCHMARK,
+        benchmark=benchmark,
         config=described["configuration"],
         width=rows.shape[1],
         row_count=len(rows),
         read=lambda start, stop: rows[start:stop],
-        seeds=[SEED],
+        seeds=[seed],
         comments=[],
         manifest=described,
         metrics={"score": 0.1},
     )
-    return read(content(recording))
+
+
+@pytest.fixture(scope="module")
+def messages(rows: Rows) -> Messages:
+    return read(content(recording_of(rows, BENCHMARK, SHORT, seed=SEED)))
 
 
 def test_joint_states_have_the_columns_of_the_rows(messages: Messages, rows: Rows) -> None:

@@ -85,14 +85,14 @@ def test_every_picture_is_the_one_that_the_tracker_had(
     name, config, rows = recorded
     files = _made(recorded, Selection(every=7))
     camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=0)
+    replay = Replay(name, config, lambda _trial: SEED)
 
     assert len(_table(files)) == len(rows[::7])
     for number, row in enumerate(rows[::7][:3]):
         stored = cv2.imdecode(
             np.frombuffer(files[f"images/{number:06d}.png"], np.uint8), cv2.IMREAD_UNCHANGED
         )
-        pose = row[INDEX["x"] : INDEX["yaw"] + 1].copy()
-        assert np.array_equal(stored, camera.grey(pose, 7 * number))
+        assert np.array_equal(stored, camera.grey(replay.frame(row).motion, 7 * number))
 
 
 def test_the_true_corners_are_those_of_the_camera(

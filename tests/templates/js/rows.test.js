@@ -40,6 +40,13 @@ test("columns are those that the player shows, of those that the run has", () =>
   assert.deepEqual(rowColumns(columns), ["x", "thrust_3", "tracker_ok"]);
 });
 
+test("of a workpiece, those columns are read that move it and its arrow", () => {
+  const shown = ["workpiece_z", "workpiece_yaw", "workpiece_joint", "tool_x", "work_arm_n", "work_fx"];
+  const columns = [...shown, "workpiece_u", "workpiece_joint_speed", "tool_yaw", "work_rest_n"];
+
+  assert.deepEqual(rowColumns(columns.map((name) => ({ name }))), shown);
+});
+
 test("the row at the playhead arrives once, with where the time lies before the next", async () => {
   const rows = new Rows("/api", COLUMNS);
   rows.want(PAUSED);

@@ -20,6 +20,7 @@ OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"t": 0, "dt": 0, "error": 3, "error_px": 2, "target_visible": 0, "target_age": 0},
     **{"velocity": 3, "velocity_valid": 0, "depth": 0, "altitude": 0, "attitude": 3, "rates": 3},
     "thrust": 8,
+    "corners": 8,
     **{"joints": MAX_JOINTS, "joint_speeds": MAX_JOINTS, "joint_efforts": MAX_JOINTS},
     **{"wrist_force": 3, "wrist_torque": 3, "touch": MAX_JOINTS},
     "image_t": 0,

@@ -6,6 +6,7 @@ import { Playhead, SPEEDS } from "../player/playhead.js";
 import { Cameras } from "./cameras.js";
 import { OverlaidCharts } from "./charts.js";
 import { Ghosts } from "./ghosts.js";
+import { ComparedStages } from "./stages.js";
 
 const POINTS_MAX = 1500; // of each run and chart
 const ADDRESS_MS = 400; // the address is written at most this often
@@ -33,6 +34,7 @@ playhead.restore({
 const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").split(","));
 const cameras = new Cameras(data, playhead);
 const ghosts = new Ghosts(root, data, playhead);
+const stages = new ComparedStages(data, playhead);
 let requested = 0;
 /** @type {number | null} */
 let frame = null; // the next animation frame, while playing
@@ -63,6 +65,7 @@ async function load() {
   charts.show(series, level());
   cameras.setParts(series, playhead.trial);
   ghosts.setParts(series, playhead.trial);
+  stages.setParts(series, playhead.trial, longest);
   slider.max = String(longest);
   slider.disabled = playButton.disabled = longest === 0;
   playhead.reaches(longest);

@@ -17,6 +17,7 @@ const NEVER = {
   "first-loss": LOST,
   "next-loss": LOST,
   touch: "The vehicle never touched anything.",
+  stage: "No stage was reached.",
 };
 
 /**
@@ -119,6 +120,7 @@ export class Bar {
         "next-loss": after(losses),
         "first-loss": losses[0],
         touch: after(touches),
+        stage: after((moments?.stages ?? []).map((reached) => reached.t)),
       };
       const target = targets[wanted];
       if (target !== undefined) this.playhead.seek(target);

@@ -1,25 +1,55 @@
-// What is drawn into every chart beside its lines: the levels with their names, losses and first touches.
+// What is drawn into every chart beside its lines: the levels with their names, stages, losses and first touches.
 /**
  * @import uPlot from "uplot"
  * @import { Moments, PlayerData } from "../server_data.d.ts"
+ * @import { Band } from "./stages.js"
  */
 import { colour } from "./colours.js";
+import { stageColour } from "./stages.js";
 
 const TICK_PX = 9;
+const BAND_PX = 5; // of a stage, at the foot of the chart
+const TINT = 0.12; // of the chart above it
+
+/** @typedef {Pick<Moments, "losses" | "touches"> & {bands: Band[]}} ChartMarks */
 
 /**
- * The plugin of uPlot; owner: levelAt(index), marks() -> {losses, touches}
+ * The plugin of uPlot; owner: levelAt(index), marks()
  * @param {PlayerData} data
- * @param {{levelAt: (index: number) => number | null, marks: () => Pick<Moments, "losses" | "touches">}} owner
+ * @param {{levelAt: (index: number) => number | null, marks: () => ChartMarks}} owner
  * @returns {uPlot.Plugin}
  */
 export function marksPlugin(data, owner) {
   return {
     hooks: {
+      drawClear: (plot) => drawStages(plot, owner.marks().bands),
       drawAxes: (plot) => drawLevels(plot, data, (index) => owner.levelAt(index)),
       draw: (plot) => drawMarks(plot, owner.marks()),
     },
   };
+}
+
+/**
+ * Below all lines: a band at the foot, and a tint of the same colour above it.
+ * @param {uPlot} plot
+ * @param {Band[]} bands
+ */
+function drawStages(plot, bands) {
+  const { ctx, bbox } = plot;
+  const foot = bbox.top + bbox.height;
+  const height = BAND_PX * devicePixelRatio;
+  /** @type {(t: number) => number} */
+  const place = (t) => Math.min(Math.max(plot.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width);
+  ctx.save();
+  for (const { stage, from, to } of bands) {
+    const [left, right] = [place(from), place(to)];
+    ctx.fillStyle = colour(stageColour(stage));
+    ctx.globalAlpha = TINT;
+    ctx.fillRect(left, bbox.top, right - left, bbox.height);
+    ctx.globalAlpha = 1;
+    ctx.fillRect(left, foot - height, right - left, height);
+  }
+  ctx.restore();
 }
 
 /**
@@ -67,7 +97,7 @@ function drawLevels(plot, data, levelAt) {
 /**
  * Ticks where the target was lost, triangles where the hull first touched something, at the foot of the chart.
  * @param {uPlot} plot
- * @param {Pick<Moments, "losses" | "touches">} marks
+ * @param {ChartMarks} marks
  */
 function drawMarks(plot, { losses, touches }) {
   const { ctx, bbox } = plot;

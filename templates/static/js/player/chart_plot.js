@@ -163,7 +163,8 @@ export class ChartPlot {
       if (chart.columns.length > 1) part.style.color = colour(LINES[index % LINES.length]);
       return part;
     });
-    this.readout.replaceChildren(`${t[at].toFixed(1)} s: `, ...parts);
+    const stage = this.owner.stageAt(t[at]);
+    this.readout.replaceChildren(`${t[at].toFixed(1)} s${stage && `, ${stage.toLowerCase()}`}: `, ...parts);
   }
 
   width() {

@@ -9,7 +9,9 @@ import { all, maybe, need } from "../dom.js";
 import { ChartChoice } from "./chart_choice.js";
 import { ChartPlot } from "./chart_plot.js";
 import { isDistance } from "./chart_scales.js";
+import { NONE } from "./marks.js";
 import { appendRows, lastUntil, levelAt, noSamples, thinned } from "./samples.js";
+import { bandAt, bandsOf } from "./stages.js";
 
 const INITIAL = 3; // number of charts shown initially
 const POINTS = 1600; // of a request: a few per pixel
@@ -29,8 +31,7 @@ export class Charts {
     /** @type {number | null} time of the playhead [s] */
     this.marked = null;
     this.sequence = 0; // of the newest request
-    /** @type {Pick<Moments, "losses" | "touches">} */
-    this.moments = { losses: [], touches: [] };
+    this.moments = NONE;
     this.trial = 0;
     /** @type {[number, number] | null} [s] */
     this.zoomed = null;
@@ -52,7 +53,8 @@ export class Charts {
     const known = (chart) =>
       chart.columns?.length > 0 && chart.columns.every((name) => data.columns.some((column) => column.name === name));
     this.chosen = memory.get("charts", /** @type {Chart[]} */ ([])).filter(known);
-    if (!this.chosen.length) this.chosen = this.presets(data.charts[0]?.unit);
+    // Work on something is read in distances and in forces; all else in one unit at first.
+    if (!this.chosen.length) this.chosen = this.presets(data.stages.length ? undefined : data.charts[0]?.unit);
     this.choice = new ChartChoice(root, data, this);
     const units = new Set(data.charts.map(({ unit }) => unit));
     const choice = maybe(root, "[data-units]", HTMLElement);
@@ -83,7 +85,10 @@ export class Charts {
     });
   }
 
-  /** @param {string | undefined} unit */
+  /**
+   * Those of a unit; else the first ones.
+   * @param {string} [unit]
+   */
   presets(unit) {
     const matching = this.data.charts.filter((chart) => chart.unit === unit);
     return (matching.length ? matching : this.data.charts).slice(0, INITIAL);
@@ -223,16 +228,28 @@ export class Charts {
   }
 
   /**
-   * moments: losses and touches of the trial [s]
-   * @param {Pick<Moments, "losses" | "touches">} moments
+   * moments: of the trial
+   * @param {Moments} moments
    */
   setMoments(moments) {
     this.moments = moments;
     this.draw();
   }
 
+  // What is marked in each chart.
   marks() {
-    return this.moments;
+    const { t } = this.whole;
+    const end = (t[t.length - 1] ?? 0) + this.data.step_s; // of the last row
+    return { ...this.moments, bands: bandsOf(this.moments, end, this.data.level_s) };
+  }
+
+  /**
+   * The stage that was reached at a time, in words; empty if none was.
+   * @param {number} t
+   */
+  stageAt(t) {
+    const band = bandAt(this.marks().bands, t);
+    return band ? this.data.stages[band.stage] : "";
   }
 
   /** @param {number | null} t */

@@ -1,25 +1,35 @@
-// Where the target was lost, where the hull first touched something, and where levels change: on the time line,
-// and for the charts. Of a live run they are asked for again from time to time.
-/** @import { Moments } from "../server_data.d.ts" */
+// Where the target was lost, where the hull first touched something, where levels change and stages were reached: on
+// the time line, and for the charts. Of a live run they are asked for again from time to time.
+/**
+ * @import { Moments } from "../server_data.d.ts"
+ * @import { StageStrip } from "./stage_strip.js"
+ */
 import { need } from "../dom.js";
+import { bandsOf } from "./stages.js";
 
 const AGAIN_MS = 30_000; // each request reads the whole trial
+const STAGES_AGAIN_MS = 5_000; // a level takes seconds, and one waits for its next stage
 /** @type {Moments} */
-const NONE = { levels: [], losses: [], touches: [], largest_error: null };
+export const NONE = { levels: [], losses: [], touches: [], largest_error: null };
 
 export class Marks {
   /**
-   * strip: the element above which they are drawn; legend: of the charts; duration: of the strip [s]
+   * strip: the element above which they are drawn; legend: of the charts; duration: of the strip [s]; level: length of
+   * one [s]; stages: where they are shown, null if there are none
    * @param {HTMLElement} strip
    * @param {HTMLElement} legend
-   * @param {{api: string, duration: number}} run
+   * @param {{api: string, duration: number, level: number, stages: StageStrip | null}} run
    */
-  constructor(strip, legend, { api, duration }) {
+  constructor(strip, legend, { api, duration, level, stages }) {
     this.strip = strip;
     this.legend = legend;
     this.api = api;
     this.duration = duration;
     this.moments = NONE;
+    this.level = level;
+    this.stages = stages;
+    this.again = stages ? STAGES_AGAIN_MS : AGAIN_MS;
+    this.newest = 0; // of the rows [s]
     /** @type {number | null} */
     this.trial = null;
     this.asked = -Infinity;
@@ -48,8 +58,10 @@ export class Marks {
    * @param {{trial: number, live: boolean, newest: number}} playhead
    */
   want({ trial, live, newest }) {
+    this.newest = newest;
+    this.stages?.show(this.bands());
     if (!newest) return;
-    const old = live && performance.now() - this.asked > AGAIN_MS;
+    const old = live && performance.now() - this.asked > this.again;
     if (trial !== this.trial || old) this.load(trial);
   }
 
@@ -62,6 +74,7 @@ export class Marks {
 
   draw() {
     const { levels, losses, touches } = this.moments;
+    this.stages?.show(this.bands());
     /** @type {(kind: string) => (t: number) => HTMLElement} */
     const mark = (kind) => (t) => {
       const made = document.createElement("i");
@@ -78,5 +91,9 @@ export class Marks {
     this.legend.hidden = !losses.length && !touches.length;
     need(this.legend, ".loss", HTMLElement).hidden = !losses.length;
     need(this.legend, ".touch", HTMLElement).hidden = !touches.length;
+  }
+
+  bands() {
+    return bandsOf(this.moments, this.newest, this.level);
   }
 }

@@ -13,6 +13,8 @@ function tracker({ tracker_ok: ok, tracker_error: error }) {
  * @type {[string, string, (row: Row) => string][]}
  */
 const SHOWN = [
+  ["Tool from the grip", "reach", (row) => number(row.reach, 3, "m")],
+  ["Push of the arm", "work_push_n", (row) => number(row.work_push_n, 0, "N")],
   ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
   ["Tracker", "tracker_ok", tracker],
@@ -23,14 +25,18 @@ const SHOWN = [
 
 export class Numbers {
   /**
-   * columns: those that the run has; a log of a mission may lack some
+   * columns: those that the run has; a log of a mission may lack some; stage: of a row, in words, if there are stages
    * @param {HTMLElement} list
    * @param {{name: string}[]} columns
+   * @param {((row: Row) => string) | null} [stage]
    */
-  constructor(list, columns) {
+  constructor(list, columns, stage = null) {
     /** @type {(wanted: string) => boolean} */
     const has = (wanted) => columns.some(({ name }) => name === wanted);
-    this.shown = SHOWN.filter(([, column]) => has(column));
+    const known = SHOWN.filter(([, column]) => has(column));
+    const shown = has("reach") ? known.filter(([, column]) => column !== "distance") : known;
+    /** @type {typeof SHOWN} */
+    this.shown = stage ? [...shown, ["Stage", "", stage]] : shown;
     this.values = this.shown.map(([label]) => {
       const pair = document.createElement("div");
       const name = document.createElement("dt");

@@ -15,6 +15,7 @@ import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
 import { Rows, rowColumns } from "./rows.js";
 import { SceneBox } from "./scene_box.js";
+import { StageStrip } from "./stage_strip.js";
 
 const TABLE_MS = 250;
 
@@ -41,11 +42,16 @@ export class Player {
     this.camera = new Camera(root, { api: data.api, step: data.step_s });
     this.layout = new Layout(root);
     this.fullScreen = new FullScreen(root);
-    this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns);
+    const stage = data.stages.length ? (/** @type {Row} */ { t }) => this.charts.stageAt(t) || "none yet" : null;
+    this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns, stage);
     this.scene = new SceneBox(need(root, "[data-scene]", HTMLElement), { api: data.api }, this.memory);
+    const strip = maybe(root, "[data-stages]", HTMLElement);
+    const onSeek = (/** @type {number} */ t) => this.playhead.seek(t);
     this.marks = new Marks(need(root, "[data-marks]", HTMLElement), need(root, "[data-mark-legend]", HTMLElement), {
       api: data.api,
       duration: data.trial_s,
+      level: data.level_s,
+      stages: strip && new StageStrip(strip, { labels: data.stages, duration: data.trial_s, onSeek }),
     });
     this.marks.onChange = (moments) => this.charts.setMoments(moments);
     this.table = new ChartTable(need(root, "[data-chart-table]", HTMLDetailsElement), this.charts);

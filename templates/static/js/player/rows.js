@@ -12,7 +12,8 @@ const ALWAYS = [
   ...["level", "x", "y", "z", "roll", "pitch", "yaw", "current_x", "current_y", "current_z"],
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
 ];
-const NUMBERED = /^(thrust|joint|touch)_\d+$|^wrist_f[xyz]$/; // of thrusters and an arm
+const NUMBERED = /^(thrust|joint|touch)_\d+$|^(wrist|work)_f[xyz]$/; // of thrusters and an arm
+const WORK = /^workpiece_(x|y|z|roll|pitch|yaw|joint)$|^tool_[xyz]$|^reach$|^work_(arm|push)_n$/;
 
 /**
  * The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
@@ -21,7 +22,7 @@ const NUMBERED = /^(thrust|joint|touch)_\d+$|^wrist_f[xyz]$/; // of thrusters an
  */
 export function rowColumns(columns) {
   const names = columns.map(({ name }) => name);
-  return names.filter((name) => ALWAYS.includes(name) || NUMBERED.test(name));
+  return names.filter((name) => [NUMBERED, WORK].some((kind) => kind.test(name)) || ALWAYS.includes(name));
 }
 
 /**

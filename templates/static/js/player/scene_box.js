@@ -157,7 +157,13 @@ export class SceneBox {
     const moments = [{ instant, trail }, ...ghosts];
     this.view.show(
       moments.map(
-        (moment) => moment && { pose: poseBetween(moment.instant), row: moment.instant.row, trail: moment.trail() },
+        (moment) =>
+          moment && {
+            pose: poseBetween(moment.instant),
+            work: typeof moment.instant.row.workpiece_x === "number" ? poseBetween(moment.instant, "workpiece_") : null,
+            row: moment.instant.row,
+            trail: moment.trail(),
+          },
       ),
       seconds,
     );
@@ -178,7 +184,7 @@ export class SceneBox {
     const scene = await this.fetchScene(this.data.api, query);
     if (this.sceneKey !== key || !scene) return;
     this.waterKey = key;
-    const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.seabed]);
+    const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.workpiece, scene.seabed]);
     if (solid === this.solid) {
       view.setWater(scene.water, scene.light);
       return;
@@ -186,9 +192,10 @@ export class SceneBox {
     const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, `trial=${trial}&level=0`)));
     if (this.sceneKey !== key) return;
     this.solid = solid;
-    const vehicles = [this.data, ...this.ghosts].map(({ colour }, index) => ({
-      colour,
-      shape: (index ? others[index - 1] : scene)?.vehicle ?? null,
+    const vehicles = [scene, ...others].map((shown, index) => ({
+      colour: (index ? this.ghosts[index - 1] : this.data).colour,
+      shape: shown?.vehicle ?? null,
+      work: shown?.workpiece,
     }));
     /** @type {(part: string) => string} */
     const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
@@ -247,12 +254,13 @@ export class SceneBox {
 }
 
 /**
- * Between two rows: positions linearly, angles along the shorter way.
+ * Between two rows: positions linearly, angles along the shorter way; of: how the names of its columns begin.
  * @param {Between} between
+ * @param {string} [of]
  */
-export function poseBetween({ row, next, share }) {
+export function poseBetween({ row, next, share }, of = "") {
   /** @type {(name: string) => [number, number]} */
-  const both = (name) => [Number(row[name]), Number(next[name])];
+  const both = (name) => [Number(row[of + name]), Number(next[of + name])];
   /** @type {(name: string) => number} */
   const along = (name) => {
     const [from, to] = both(name);

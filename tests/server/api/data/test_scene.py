@@ -5,12 +5,18 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from seamark.server.pages.run.player_data import player_data
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.showing.scene import vehicle_shape
+from seamark.server.runs.showing.scene import vehicle_shape, work_shape
+from seamark.sim.benchmarks.recover_v1.scene import BoxDraw, workpiece
 from seamark.sim.camera.seabed import TILE, texels
-from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, Rows, width_for
+from seamark.sim.metrics import recovery
+from seamark.sim.multibody.assembly import Mounting
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, Rows, width_for
 from seamark.sim.vehicles import load
+from seamark.sim.vehicles.linkage_reading import load_linkage
 from tests.server.api.conftest import Site
 from tests.server.api.test_api import problem_of
 
@@ -174,3 +180,120 @@ def test_a_vehicle_without_an_arm_has_no_camera_on_one(site: Site) -> None:
 
     problem_of(answer, 404, "not-found")
     assert "no camera on an arm" in answer.get_json()["detail"]
+
+
+RECOVER = {"levels": [0.1], "level_duration_s": 20.0}
+
+
+def recovered(site: Site, rows: Rows) -> str:
+    claim = site.running(benchmark="recover-v1", controller="scripted", trials=2, config=RECOVER)
+    RunFiles(site.settings.data, claim.run_id, 1).append_rows(rows)
+    assert site.finish(claim)
+    return f"/api/v1/runs/{claim.run_id}"
+
+
+def lifted(lift_m: float) -> Rows:
+    """Rows of a run whose box is carried from the fifth second on, at this height."""
+    rows = np.zeros((400, width_for(8, arm=True, work=True)))
+    rows[:, INDEX["t"]] = 0.05 * np.arange(400)
+    rows[:, WORK_INDEX["workpiece_z"]] = 4.9
+    rows[:, [INDEX["x"], INDEX["y"], INDEX["z"]]] = (-1.25, 0.35, 3.3)  # its camera above the box
+    rows[100:, WORK_INDEX["workpiece_z"]] -= lift_m
+    rows[100:, WORK_INDEX["work_arm_n"]] = 20.0
+    rows[:100, WORK_INDEX["work_rest_n"]] = 20.0
+    return rows
+
+
+def pixels(image: bytes) -> NDArray[np.int64]:
+    decoded = cv2.imdecode(np.frombuffer(image, np.uint8), 1)
+    assert decoded is not None
+    return decoded.astype(np.int64)
+
+
+def test_the_box_of_a_trial_stands_in_its_scene_where_cameras_have_it(site: Site) -> None:
+    run = recovered(site, lifted(0.6))
+
+    scenes = [
+        site.call("owner", "GET", f"{run}/scene.json?trial={trial}").get_json() for trial in (0, 1)
+    ]
+
+    headings = []
+    for scene in scenes:
+        (thing,) = scene["workpiece"]["things"]
+        (box,) = thing["links"]
+        assert box["joint"] == {"kind": "free"}
+        assert [solid.get("lettered", False) for solid in box["solids"]] == [True, *[False] * 3]
+        assert thing["place"] == pytest.approx(scene["target"]["centre"])
+        headings.append(thing["turn"][2])
+    assert headings[0] != headings[1]
+    assert scenes[0]["workpiece"]["face"]["link"] == [0, 0]
+
+
+def test_letters_are_in_the_colour_of_the_box_that_the_arm_takes(site: Site) -> None:
+    run, plain = recovered(site, lifted(0.6)), site.succeeded(controller="p")
+    pictures = [
+        pixels(site.call("owner", "GET", f"{of}/texture.jpg?part=target").data)
+        for of in (run, f"/api/v1/runs/{plain}")
+    ]
+
+    yellow, black = (each[..., 2].mean() / each[..., 0].mean() for each in pictures)
+
+    assert yellow > 2.0
+    assert black < 1.5
+
+
+def test_the_vehicles_camera_sees_the_box_rise(site: Site) -> None:
+    run = recovered(site, lifted(0.6))
+
+    sights = [
+        pixels(site.call("owner", "GET", f"{run}/camera.jpg?truth=false&tracked=false&t={t}").data)
+        for t in (4.0, 6.0)
+    ]
+
+    small, large = ((each[..., 2] - each[..., 0] > 60).sum() for each in sights)
+    assert large > 1.3 * small > 0, "it is nearer"
+
+
+def test_a_link_on_a_joint_moves_with_it_and_the_rest_of_its_thing_stands() -> None:
+    valve, box = load_linkage("valve"), workpiece(BoxDraw())
+    place = box.things[0].place
+    thing = Mounting(linkage=valve, place=place, prefix="a: ")
+
+    shape = work_shape(replace(box, things=(*box.things, thing), link="a: handle"))
+
+    lying, (panel, handle) = (each["links"] for each in shape["things"])
+    assert lying[0]["joint"] is None, "no column moves it"
+    assert panel["joint"] is None
+    assert handle["joint"] == {"kind": "revolute", "axis": valve.links[1].joint.axis, "ratio": 1.0}
+    assert handle["parent"] == 0
+
+
+def test_moments_say_when_each_stage_was_reached(site: Site) -> None:
+    rows = lifted(0.6)
+    rows[90:, WORK_INDEX["reach"]], rows[:90, WORK_INDEX["reach"]] = 0.02, 1.0
+    run = recovered(site, rows)
+
+    found = site.call("owner", "GET", f"{run}/moments.json").get_json()
+    plain = site.call("owner", "GET", f"/api/v1/runs/{site.recorded()}/moments.json").get_json()
+
+    times = [(one["level"], one["stage"], one["t"]) for one in found["stages"]]
+    expected = [
+        (0, stage, rows[at, INDEX["t"]]) for stage, at in enumerate(recovery.reached(rows, 0.05))
+    ]
+    assert times == expected
+    assert len(times) == 5
+    assert "stages" not in plain
+
+
+def test_a_page_that_is_opened_before_the_first_row_knows_the_columns_of_the_work(
+    site: Site,
+) -> None:
+    claim = site.running(benchmark="recover-v1", controller="scripted", config=RECOVER)
+
+    with site.app.test_request_context():
+        files = RunFiles(site.settings.data, claim.run_id, 1)
+        data = player_data(site.show(claim.run_id), files)
+
+    names = [column["name"] for column in data["columns"]]
+    assert {"joint_0", "workpiece_x", "work_fz"} <= {*names}
+    assert data["stages"][0] == "Reached the handle"

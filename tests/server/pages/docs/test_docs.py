@@ -7,6 +7,7 @@ from html import unescape
 import pytest
 
 from seamark.sandbox.limits import MEANING, Limits
+from seamark.sim.recording.telemetry import WORK_COLUMNS
 from tests.server.pages.conftest import Site
 
 NAMES = [field.name for field in fields(Limits)]
@@ -23,3 +24,17 @@ def test_a_page_lists_every_limit_once_with_its_meaning(site: Site, page: str) -
 
     assert [unescape(meaning) for _, meaning in rows] == [MEANING[name] for name in NAMES]
     assert len({label for label, _ in rows}) == len(NAMES)
+
+
+def test_the_page_of_the_telemetry_has_every_column_of_what_an_arm_works_on(site: Site) -> None:
+    page = site.browser().get("/docs/telemetry").text
+
+    ranges = re.findall(r"<code>(\w+)(?: to (\w+))?</code>", page)
+    names = [column.name for column in WORK_COLUMNS]
+    shown = [
+        name
+        for first, last in ranges
+        if first in names
+        for name in names[names.index(first) : names.index(last or first) + 1]
+    ]
+    assert shown == names

@@ -6,7 +6,7 @@ import numpy as np
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.moments import LOSSES_MAX, moments
-from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 
 ROWS = 40_000  # more than is read at once
 
@@ -70,6 +70,24 @@ def test_a_touch_is_the_first_contact_of_a_level(tmp_path: Path) -> None:
     found = moments(_files(tmp_path, contact_n=contact, level=level), 0, "distance")["touches"]
 
     assert found == [0.05 * 100, 0.05 * 35_010]
+
+
+def test_stages_are_found_in_each_level_by_itself(tmp_path: Path) -> None:
+    level = np.repeat([1.0, 0.0, 2.0], [10_000, 20_000, 10_000])
+    files = _files(tmp_path, level=level, distance=np.arange(ROWS))
+
+    def reached(rows: Rows) -> tuple[int, ...]:
+        """Find a stage in the fifth row of a level, and another in the last of a long one."""
+        return (5, len(rows) - 1) if len(rows) == 20_000 else (5,)
+
+    stages = moments(files, 0, "distance", reached)["stages"]
+
+    assert [(one["level"], one["stage"], one["t"]) for one in stages] == [
+        (1, 0, 0.05 * 5),
+        (0, 0, 0.05 * 10_005),
+        (0, 1, 0.05 * 29_999),
+        (2, 0, 0.05 * 30_005),
+    ]
 
 
 def test_a_trial_without_rows_has_no_moments(tmp_path: Path) -> None:

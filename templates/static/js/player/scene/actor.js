@@ -11,7 +11,7 @@ import { Vehicle } from "./vehicle.js";
 const TRAIL_POINTS = 500;
 const TRAIL = 0xffe08a;
 
-/** @typedef {{pose: Pose, row: Row, trail: Row[]}} SceneMoment */
+/** @typedef {{pose: Pose, work: Pose | null, row: Row, trail: Row[]}} SceneMoment work: pose of what the arm moves */
 
 export class Actor {
   /**
@@ -25,6 +25,12 @@ export class Actor {
     this.group = new Group();
     this.group.add(this.vehicle.group, this.trail.line);
     this.group.visible = false;
+  }
+
+  /** @param {boolean} onBoard */
+  setOnBoard(onBoard) {
+    this.vehicle.setOnBoard(onBoard);
+    this.trail.line.visible = !onBoard;
   }
 
   /**

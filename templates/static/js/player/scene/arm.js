@@ -1,60 +1,41 @@
 // An arm on a vehicle: its links turn and slide with the joints of a row of telemetry; an arrow shows the
 // force that it gives to its hand, and parts of the hand that touch something light up.
-/** @import { ArmLink, ArmShape, Placed, Row } from "../../server_data.d.ts" */
+/**
+ * @import { Group } from "three"
+ * @import { ArmLink, ArmShape, Row } from "../../server_data.d.ts"
+ */
 import * as THREE from "../../../vendor/three/three.min.js";
-import { Arrow, groupOf, paint } from "./solids.js";
+import { chain, Link, placedGroup } from "./links.js";
+import { ForceArrow, paint } from "./solids.js";
 
-const ARROW_M_N = 0.01; // of the force's arrow
 const TOUCH_N = 1; // from which a part of the hand feels it
 const FORCE = paint(0xe03a8c);
 const TOUCHED = new THREE.Color(0xe03a8c);
 const UNTOUCHED = new THREE.Color(0);
-const UP = new THREE.Vector3(0, 1, 0); // along which arrows point
 
-/**
- * @param {Placed} placed
- * @returns {THREE.Group}
- */
-function placedGroup({ place, turn: [roll, pitch, yaw] }) {
-  const group = new THREE.Group();
-  group.position.set(...place);
-  group.rotation.set(roll, pitch, yaw, "ZYX");
-  return group;
-}
-
-class Link {
+class ArmPart extends Link {
   /**
    * @param {ArmLink} link
    */
   constructor(link) {
-    const { joint, solids, touch } = link;
-    this.joint = joint;
-    this.touch = touch;
-    this.axis = new THREE.Vector3(...(joint?.axis ?? [0, 0, 1])).normalize();
-    this.group = placedGroup(link);
-    this.moved = new THREE.Group();
-    this.group.add(this.moved);
-    const drawn = groupOf(solids);
+    super(link);
+    this.joint = link.joint;
+    this.touch = link.touch;
     /** @type {THREE.MeshLambertMaterial[]} */
     this.paints = [];
-    drawn.traverse((mesh) => {
-      if (!touch.length || !(mesh instanceof THREE.Mesh)) return;
+    this.drawn.traverse((mesh) => {
+      if (!this.touch.length || !(mesh instanceof THREE.Mesh)) return;
       mesh.material = mesh.material.clone(); // it lights up by itself
       this.paints.push(mesh.material);
     });
-    this.moved.add(drawn);
   }
 
   /**
    * @param {Row} row
    */
   show(row) {
-    const { joint, moved } = this;
-    if (joint) {
-      const at = joint.ratio * (row[`joint_${joint.column}`] ?? 0);
-      if (joint.kind === "revolute") moved.quaternion.setFromAxisAngle(this.axis, at);
-      else moved.position.copy(this.axis).multiplyScalar(at);
-    }
+    const { joint } = this;
+    if (joint) this.move(joint, joint.ratio * (row[`joint_${joint.column}`] ?? 0));
     const touched = this.touch.some((number) => (row[`touch_${number}`] ?? 0) > TOUCH_N);
     for (const one of this.paints) one.emissive = touched ? TOUCHED : UNTOUCHED;
   }
@@ -67,16 +48,21 @@ export class Arm {
    */
   constructor(shape) {
     this.group = placedGroup(shape);
-    this.links = shape.links.map((link) => new Link(link));
-    for (const [index, { parent }] of shape.links.entries()) {
-      (parent === null ? this.group : this.links[parent].moved).add(this.links[index].group);
-    }
-    this.arrow = new Arrow(FORCE);
+    this.links = shape.links.map((link) => new ArmPart(link));
+    chain(this.group, this.links, shape.links);
+    this.arrow = new ForceArrow(FORCE);
+    /** @type {Group | null} */
+    this.sensor = null;
     if (shape.force_sensor) {
-      const sensor = placedGroup(shape.force_sensor);
-      sensor.add(this.arrow.group);
-      this.links[shape.force_sensor.link].moved.add(sensor);
+      this.sensor = placedGroup(shape.force_sensor);
+      this.sensor.add(this.arrow.group);
+      this.links[shape.force_sensor.link].moved.add(this.sensor);
     }
+  }
+
+  /** @param {boolean} onBoard */
+  setOnBoard(onBoard) {
+    if (this.sensor) this.sensor.visible = !onBoard;
   }
 
   /**
@@ -84,9 +70,6 @@ export class Arm {
    */
   show(row) {
     for (const link of this.links) link.show(row);
-    const force = new THREE.Vector3(row.wrist_fx ?? 0, row.wrist_fy ?? 0, row.wrist_fz ?? 0);
-    const newtons = force.length();
-    this.arrow.show(newtons * ARROW_M_N);
-    if (newtons > 0) this.arrow.group.quaternion.setFromUnitVectors(UP, force.divideScalar(newtons));
+    this.arrow.showForce([row.wrist_fx ?? 0, row.wrist_fy ?? 0, row.wrist_fz ?? 0]);
   }
 }

@@ -86,6 +86,20 @@ export class Cameras {
   }
 
   /**
+   * Keeps the view relative to a target that moves.
+   * @param {Triple} place
+   */
+  aimAt(place) {
+    const now = TO_SCREEN(new Vector3(...place));
+    if (this.mode === "target" && this.placed) {
+      const moved = now.clone().sub(this.target);
+      this.camera.position.add(moved);
+      this.controls.target.add(moved);
+    }
+    this.target.copy(now);
+  }
+
+  /**
    * Moves back or closer, without turning, until the target and vehicles at these positions are in the picture.
    * @param {Vector3[]} positions
    */

@@ -26,11 +26,12 @@ export class Sight {
   }
 
   /**
-   * vehicle: its group, with its matrix; description: of scene.json
+   * vehicle: its group, with its matrix; description: of scene.json; aim: where the target is
    * @param {Object3D} vehicle
-   * @param {Pick<SceneData, "camera" | "seabed" | "target">} description
+   * @param {Pick<SceneData, "camera" | "seabed">} description
+   * @param {Aim} aim
    */
-  show(vehicle, { camera, seabed, target }) {
+  show(vehicle, { camera, seabed }, { centre, outline }) {
     const { mount, focal, width, height } = camera;
     const eye = new Vector3(...mount).applyMatrix4(vehicle.matrix);
     // Image right is starboard (y), image down is aft (-x), the optical axis is down (z).
@@ -42,19 +43,24 @@ export class Sight {
       return eye.clone().addScaledVector(ray, Math.max(reach, 0)).toArray();
     });
     this.frustum.show([...corners.flatMap((corner) => [eye.toArray(), corner]), ...edges(corners)]);
-    this.line.show([eye.toArray(), target.centre, ...edges(outline(target))]);
+    this.line.show([eye.toArray(), centre, ...edges(outline)]);
   }
 }
 
+/** @typedef {{centre: Triple, outline: Triple[]}} Aim the middle of the target, and the corners of its top */
+
 /**
- * The corners of the target's top.
+ * Where a target that stands is.
  * @param {TargetShape} target
- * @returns {Triple[]}
+ * @returns {Aim}
  */
-function outline({ centre: [north, east, down], size: [length, width, height], heading }) {
+export function aimAt({ centre, size: [length, width, height], heading }) {
+  const [north, east, down] = centre;
   const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
-  return CORNERS.map(([u, v]) => {
+  /** @type {Triple[]} */
+  const outline = CORNERS.map(([u, v]) => {
     const [x, y] = [(-v * width) / 2, (u * length) / 2];
     return [north + cos * x - sin * y, east + sin * x + cos * y, down - height / 2 - 0.01];
   });
+  return { centre, outline };
 }

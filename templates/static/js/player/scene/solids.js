@@ -36,12 +36,13 @@ export function groupOf(solids) {
   const group = new THREE.Group();
   /** @type {Map<string, Material>} */
   const paints = new Map();
-  for (const { shape, size, centre, colour, livery } of solids) {
+  for (const { shape, size, centre, colour, livery, lettered } of solids) {
     const known = paints.get(colour) ?? paint(colour);
     paints.set(colour, known);
     const mesh = part(GEOMETRIES[shape](size), known, centre);
     if (LENGTHWISE.includes(shape)) mesh.rotation.z = Math.PI / 2;
     mesh.userData.livery = livery;
+    if (lettered) mesh.userData.lettered = size;
     group.add(mesh);
   }
   return group;
@@ -67,5 +68,35 @@ export class Arrow {
     this.shaft.scale.y = Math.max(length, 0.01);
     this.shaft.position.y = length / 2;
     this.head.position.y = length + 0.05;
+  }
+}
+
+const ARROW_M_N = 0.01;
+const UP = new THREE.Vector3(0, 1, 0); // along which arrows point
+
+// An arrow that is longer for a larger force.
+export class ForceArrow extends Arrow {
+  /**
+   * @param {Material} material
+   */
+  constructor(material) {
+    super(material);
+    this.newtons = 0;
+  }
+
+  /**
+   * force: in the axes of what the arrow is attached to [N]
+   * @param {Triple} force
+   */
+  showForce(force) {
+    const along = new THREE.Vector3(...force);
+    this.newtons = along.length();
+    this.show(this.newtons * ARROW_M_N);
+    if (this.newtons > 0) this.group.quaternion.setFromUnitVectors(UP, along.divideScalar(this.newtons));
+  }
+
+  // Where its tip is, in the frame of the screen.
+  tip() {
+    return this.head.localToWorld(new THREE.Vector3(0, 0.08, 0));
   }
 }

@@ -70,21 +70,32 @@ export function target({ centre, size, heading }, address, ready, water) {
   const sides = water.seen(new THREE.MeshLambertMaterial({ color: 0x1b1f22 }));
   group.add(new THREE.Mesh(new THREE.BoxGeometry(width, length, height), sides));
   // Body axes: x forward is up as one reads the letters, y starboard is to the right.
-  const top = new THREE.BufferGeometry();
   const [up, right, z] = [width / 2, length / 2, -height / 2 - 0.002];
-  top.setAttribute(
-    "position",
-    new THREE.BufferAttribute(new Float32Array([up, -right, z, up, right, z, -up, right, z, -up, -right, z]), 3),
-  );
+  /** @type {Triple[]} */
+  const corners = [
+    [up, -right, z],
+    [up, right, z],
+    [-up, right, z],
+    [-up, -right, z],
+  ];
+  group.add(lettering(corners, address, ready, water));
+  return group;
+}
+
+/**
+ * A picture on a rectangle, whose corners are given as one reads: from the upper left to the lower left.
+ * @param {Triple[]} corners
+ * @param {string} address
+ * @param {() => void} ready
+ * @param {Water} water
+ */
+export function lettering(corners, address, ready, water) {
+  const top = new THREE.BufferGeometry();
+  top.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners.flat()), 3));
   top.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
   top.setIndex([0, 1, 2, 0, 2, 3]);
-  group.add(
-    new THREE.Mesh(
-      top,
-      water.seen(new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide })),
-    ),
-  );
-  return group;
+  const material = new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide });
+  return new THREE.Mesh(top, water.seen(material));
 }
 
 export class CurrentArrow {

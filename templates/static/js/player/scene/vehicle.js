@@ -73,7 +73,7 @@ const GHOST_OPACITY = 0.55;
  * @param {string | undefined} colour
  * @param {boolean} ghost
  */
-function repaint(group, colour, ghost) {
+export function repaint(group, colour, ghost) {
   const shine = { emissive: colour ?? 0, emissiveIntensity: 0.6 }; // so that dark water leaves the colour
   const own = paint(colour ?? 0xbfd3dc, { ...shine, ...(ghost ? { transparent: true, opacity: GHOST_OPACITY } : {}) });
   group.traverse((mesh) => {
@@ -104,6 +104,15 @@ export class Vehicle {
     if (ghost || colour) repaint(this.group, colour, ghost);
     if (ghost)
       for (const { arrow } of [...this.thrusters, ...(this.arm ? [this.arm] : [])]) arrow.group.removeFromParent();
+  }
+
+  /**
+   * From on board one sees the arm alone.
+   * @param {boolean} onBoard
+   */
+  setOnBoard(onBoard) {
+    for (const part of [this.hull, ...this.thrusters.map(({ group }) => group)]) part.visible = !onBoard;
+    this.arm?.setOnBoard(onBoard);
   }
 
   /**

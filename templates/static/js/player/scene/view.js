@@ -2,21 +2,26 @@
 // (north, east, down); outside of it, y is up. It draws only when something has changed.
 /**
  * @import { Camera } from "three"
- * @import { LightData, Row, SceneData, Triple, VehicleShape, WaterData } from "../../server_data.d.ts"
+ * @import { LightData, Row, SceneData, Triple, VehicleShape, WaterData, WorkShape } from "../../server_data.d.ts"
  * @import { SceneMoment } from "./actor.js"
+ * @import { Aim } from "./sight.js"
+ * @import { ForceArrow } from "./solids.js"
  * @import { Vehicle } from "./vehicle.js"
  */
 import * as THREE from "../../../vendor/three/three.min.js";
 import { Actor } from "./actor.js";
 import { Cameras } from "./cameras.js";
+import { Label } from "./label.js";
 import { LampCone } from "./lamp.js";
 import { Pace } from "./pace.js";
 import { Pointer } from "./pointer.js";
 import { Shadow } from "./shadow.js";
-import { Sight } from "./sight.js";
+import { aimAt, Sight } from "./sight.js";
 import { CurrentArrow, Particles, seabed, target } from "./surroundings.js";
 import { Water } from "./water.js";
+import { Work } from "./work.js";
 
+const LABELLED_N = 1; // of an arrow that has its newtons beside it
 const REST_MS = 500; // without a new picture until the last one is drawn with all pixels
 const SCALE_OF_SOFTWARE = 0.5; // at first, without a graphics card
 const SCALE_OF_SHADOW = 0.4; // more than this to draw one while the scene moves
@@ -38,7 +43,7 @@ export function graphics() {
 
 /**
  * scene.json, with the vehicles of which the first is followed.
- * @typedef {SceneData & {vehicles: {shape: VehicleShape | null, colour?: string}[]}} Description
+ * @typedef {SceneData & {vehicles: {shape: VehicleShape | null, work?: WorkShape, colour?: string}[]}} Description
  */
 
 export class SceneView {
@@ -68,9 +73,14 @@ export class SceneView {
     this.current = new CurrentArrow();
     this.sight = new Sight();
     this.pointers = { station: new Pointer(box, "station"), vehicle: new Pointer(box, "vehicle") };
+    this.labels = { wrist: new Label(box, "wrist"), push: new Label(box, "push") };
     this.outside = new THREE.Group(); // what is not to be seen from on board
     /** @type {Actor[]} */
     this.actors = [];
+    /** @type {(Work | null)[]} what the arm of each works on */
+    this.works = [];
+    /** @type {Aim | null} where the target is now */
+    this.aim = null;
     /** @type {Description | null} */
     this.description = null;
     /** @type {(SceneMoment | null)[] | null} what is shown */
@@ -114,6 +124,11 @@ export class SceneView {
     const { depth } = description.seabed;
     this.water.clear();
     this.water.set(water, light);
+    this.works = description.vehicles.map(({ work, colour }, index) => {
+      const options = { letters: textures.target, ready, water: this.water, colour, ghost: index > 0 };
+      return work ? new Work(work, options) : null;
+    });
+    this.aim = aimAt(description.target);
     this.particles = new Particles(depth, this.water);
     const { vehicle } = this.actors[0];
     this.shadow = new Shadow(vehicle.hull, depth, SUN, this.water);
@@ -121,13 +136,16 @@ export class SceneView {
     if (this.lamp) vehicle.group.add(this.lamp.mesh);
     this.world.add(
       seabed(description.seabed, textures.seabed, ready, this.water),
-      target(description.target, textures.target, ready, this.water),
+      ...(this.works[0] ? [] : [target(description.target, textures.target, ready, this.water)]),
+      ...this.works.flatMap((work) => work?.group ?? []),
       this.particles.points,
       this.outside,
+      followed,
       ...ghosts,
     );
     this.outside.clear();
-    this.outside.add(this.shadow.mesh, followed, this.current.group, this.sight.group);
+    this.outside.add(this.shadow.mesh, this.current.group, this.sight.group);
+    if (this.works[0]) this.outside.add(this.works[0].contact.group);
     this.cameras.describe(description);
     if (this.last) this.show(this.last, 0);
     else this.request();
@@ -165,7 +183,13 @@ export class SceneView {
     const { vehicle, description } = this;
     if (!vehicle || !description) return;
     const moved = STILL.matches ? 0 : seconds;
-    for (const [index, actor] of this.actors.entries()) actor.show(moments[index] ?? null, moved);
+    for (const [index, actor] of this.actors.entries()) {
+      actor.show(moments[index] ?? null, moved);
+      this.works[index]?.show(moments[index] ?? null);
+    }
+    const [work] = this.works;
+    this.aim = work && moments[0] ? work.aim() : this.aim;
+    if (work && this.aim) this.cameras.aimAt(this.aim.centre);
     if (moments[0]) this.showAround(vehicle, description, moments[0].row, moved);
     const shown = this.actors.filter(({ group }) => group.visible);
     if (this.cameras.mode === "all") this.cameras.frame(shown.map((actor) => actor.vehicle.group.position));
@@ -187,7 +211,7 @@ export class SceneView {
     this.current.show(current, new THREE.Vector3(position.x, position.y, position.z - this.clearance));
     this.particles?.show(current, position, seconds);
     group.updateMatrix();
-    this.sight.show(group, description);
+    if (this.aim) this.sight.show(group, description, this.aim);
     this.shadow?.show(group);
     this.lamp?.show(group);
     this.water.lookFrom(group, description.camera.mount, TO_SCREEN);
@@ -196,7 +220,10 @@ export class SceneView {
 
   /** @param {string} mode */
   setMode(mode) {
-    this.outside.visible = mode !== "camera";
+    const onBoard = mode === "camera";
+    this.outside.visible = !onBoard;
+    this.actors[0]?.setOnBoard(onBoard);
+    if (this.lamp) this.lamp.mesh.visible = !onBoard;
     this.cameras.setMode(mode);
     if (this.last) this.show(this.last, 0);
     this.request();
@@ -244,7 +271,8 @@ export class SceneView {
     // Rather pixels than a shadow.
     if (this.shadow) this.shadow.mesh.visible = this.sharp || this.pace.scale > SCALE_OF_SHADOW;
     this.renderer.render(this.scene, camera);
-    this.point(vehicle, description, camera);
+    this.point(vehicle, camera);
+    this.label(vehicle, camera);
     this.onDraw(this);
     clearTimeout(this.rest);
     if (!this.sharp && this.pace.scale < 1) this.rest = setTimeout(() => this.setSharp(true), REST_MS);
@@ -253,18 +281,38 @@ export class SceneView {
   /**
    * Arrows to what is out of sight: the station, and the vehicle if one looks elsewhere.
    * @param {Vehicle} followed
-   * @param {Description} description
    * @param {Camera} camera
    */
-  point(followed, description, camera) {
+  point(followed, camera) {
     const { station, vehicle } = this.pointers;
     /** @type {(place: Triple) => THREE.Vector3} */
     const place = ([x, y, z]) => new THREE.Vector3(x, y, z).applyMatrix4(TO_SCREEN);
-    const distance = this.last?.[0]?.row.distance;
+    const row = this.last?.[0]?.row;
+    const distance = this.works[0] ? row?.reach : row?.distance;
     const away = typeof distance === "number" ? `${distance.toFixed(1)} m` : "";
-    station.show(camera, place(description.target.centre), away);
+    station.name = this.works[0] ? "workpiece" : "station";
+    if (this.aim) station.show(camera, place(this.aim.centre), away);
     if (this.cameras.mode === "camera") vehicle.hide();
     else vehicle.show(camera, place(followed.group.position.toArray()), "");
+  }
+
+  /**
+   * The newtons of the arrows at the hand.
+   * @param {Vehicle} followed
+   * @param {Camera} camera
+   */
+  label(followed, camera) {
+    const contact = this.works[0]?.contact;
+    /** @type {[Label, ForceArrow | undefined, boolean][]} */
+    const labelled = [
+      [this.labels.wrist, followed.arm?.arrow, true],
+      [this.labels.push, contact?.arrow, contact?.group.visible ?? false],
+    ];
+    for (const [label, arrow, shown] of labelled) {
+      const visible = arrow && shown && arrow.group.visible && arrow.newtons >= LABELLED_N;
+      if (!visible || this.cameras.mode === "camera") label.hide();
+      else label.show(camera, arrow.tip(), `${arrow.newtons.toFixed(0)} N`);
+    }
   }
 
   /**

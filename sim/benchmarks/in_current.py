@@ -1,0 +1,163 @@
+"""A vehicle in closed loop above a target, in a current that a level sets: how its levels run."""
+
+from typing import Any, Generic, TypeVar
+
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.control.observation import arm_size, layout
+from seamark.sim.engine.closed_loop import ClosedLoop
+from seamark.sim.engine.experiment import TrialPlan
+from seamark.sim.engine.program import BuiltIn, Program
+from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.engine.world import (
+    Conditions,
+    Craft,
+    World,
+    build_camera,
+    build_craft,
+    build_world,
+    configured_water,
+    draw_noise_seed,
+    program_optics,
+    target_and_optics,
+)
+from seamark.sim.multibody.workpiece import Workpiece
+from seamark.sim.numerics.random_streams import Streams, streams
+from seamark.sim.physics.current import Current, Pattern, Shear
+from seamark.sim.settings.current_levels import CurrentLevels
+
+Settings = TypeVar("Settings", bound=CurrentLevels)
+
+
+class InCurrent(Generic[Settings]):
+    """The part of a `seamark.sim.engine.experiment.Experiment` that does not score."""
+
+    task = ""  # of an arm, by which the registry has the built-in controllers
+
+    def built_in(self, name: str, config: Settings) -> Program:
+        """Return a built-in controller."""
+        arm = config.chosen_arm()
+        return BuiltIn(name, config, arm_size(arm) if arm else None, task=self.task)
+
+    def layout(self, config: Settings) -> dict[str, Any]:
+        """Return the order of observation and command."""
+        optics = program_optics(config)
+        images = {camera: (each.height, each.width) for camera, each in optics.items()}
+        return {"role": "controller"} | layout(config.vehicle, config.chosen_arm(), images)
+
+    def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
+        """Return the conditions of a trial: nominal, unless overridden."""
+        return NOMINAL
+
+    def plan(self, config: Settings, *, seed: int, trial: int) -> TrialPlan:
+        """Return that the levels run as listed."""
+        return TrialPlan(order=tuple(range(len(config.level_values()))))
+
+    def level(
+        self,
+        config: Settings,
+        solution: Program,
+        *,
+        seed: int,
+        trial: int,
+        level: int,
+    ) -> ClosedLoop:
+        """Return a level with the vehicle at its start."""
+        world = self.world(config, seed=seed, trial=trial, level=level)
+        order = self.plan(config, seed=seed, trial=trial).order
+        return ClosedLoop(world, solution, trial=trial, level=level, position=order.index(level))
+
+    def tool_m(self, config: Settings) -> tuple[float, float] | None:
+        """Return the point of the body, forward and starboard [m], that counts; None: the pose."""
+        return None
+
+    def at(self, config: Settings, *, seed: int, trial: int, level: int) -> Settings:
+        """Return the settings of a level: those of its trial, with what a grid sets there."""
+        return config.for_trial(trial).at(level)
+
+    def target(self, config: Settings, *, seed: int, trial: int) -> Target | None:
+        """Return the target, if it is not that of the settings."""
+        return None
+
+    def workpiece(self, config: Settings, *, seed: int, trial: int) -> Workpiece | None:
+        """Return what the arm works on; nothing, unless overridden."""
+        return None
+
+    def encoder_bias(self, config: Settings, *, seed: int, trial: int) -> tuple[float, ...]:
+        """Return the constant error of each joint of an arm, or of all [rad]; none."""
+        return (0.0,)
+
+    def world(self, config: Settings, *, seed: int, trial: int, level: int) -> World:
+        """Return the world of a level."""
+        conditions, random = self._conditions(config, seed=seed, trial=trial, level=level)
+        config = self.at(config, seed=seed, trial=trial, level=level)
+        return build_world(config, conditions, random)
+
+    def craft(self, config: Settings, *, seed: int, trial: int, level: int) -> Craft:
+        """Return the world of a level without its camera, at a fraction of the cost."""
+        conditions, random = self._conditions(config, seed=seed, trial=trial, level=level)
+        config = self.at(config, seed=seed, trial=trial, level=level)
+        return build_craft(config, conditions, random)
+
+    def _conditions(
+        self, config: Settings, *, seed: int, trial: int, level: int
+    ) -> tuple[Conditions, Streams]:
+        random = streams(seed, trial, level)
+        drawn = self.drawn(config, seed=seed, trial=trial)
+        here = self.at(config, seed=seed, trial=trial, level=level)
+        conditions = Conditions(
+            current=_current(here, level, drawn, random),
+            water=configured_water(here),
+            trial=drawn,
+            tool_m=self.tool_m(here),
+            target=self.target(config, seed=seed, trial=trial),
+            workpiece=self.workpiece(config, seed=seed, trial=trial),
+            encoder_bias=self.encoder_bias(config, seed=seed, trial=trial),
+        )
+        return conditions, random
+
+    def camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
+        """Return the camera of a level."""
+        here = self.at(config, seed=seed, trial=trial, level=level)
+        return build_camera(
+            here,
+            configured_water(here),
+            noise_seed=draw_noise_seed(streams(seed, trial, level)),
+            target=self.target(config, seed=seed, trial=trial),
+            workpiece=self.workpiece(config, seed=seed, trial=trial),
+        )
+
+    def first_camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
+        """Return the camera of the level: all its images show the same water."""
+        return self.camera(config, seed=seed, trial=trial, level=level)
+
+
+def _current(config: CurrentLevels, level: int, drawn: TrialConditions, random: Streams) -> Current:
+    pattern = Pattern(
+        azimuth_rad=config.current_azimuth_rad,
+        azimuth_swing_rad=config.current_swing_rad,
+        azimuth_period_s=config.current_swing_period_s,
+        speed_swing=config.current_wave_m_s,
+        speed_period_s=config.current_wave_period_s,
+        gust_share=config.current_gust,
+        gust_time_s=config.current_gust_time_s,
+        law="force" if config.current_law == "force" else "relative",
+        force_share=config.current_force_share,
+    )
+    return Current(
+        config.level_values()[level],
+        pattern=drawn.current.of(pattern),
+        shear=_shear(config),
+        rng=random.gust,
+        duration_s=config.level_duration_s,
+    )
+
+
+def _shear(config: CurrentLevels) -> Shear | None:
+    """Return the current's profile: at the height of the start the level's own speed."""
+    if not config.current_shear:
+        return None
+    target, optics = target_and_optics(config)
+    start = float(start_pose(optics, target, config.altitude_m)[2])
+    bottom = target.seabed_m
+    return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)

@@ -1,0 +1,1 @@
+"""Interventions: what the benchmarks that compare vehicles with arms share."""

@@ -1,0 +1,83 @@
+"""An intervention benchmark: everything but its name, settings, metrics and entries."""
+
+from collections.abc import Mapping
+
+from seamark.sim.benchmarks.arm_charts import ARM_CHARTS
+from seamark.sim.benchmarks.benchmark import (
+    Baseline,
+    Benchmark,
+    Chart,
+    RankedProtocol,
+    Stages,
+    Table,
+)
+from seamark.sim.metrics.metric import Metric, MetricGroup
+from seamark.sim.metrics.stages import HELD
+from seamark.sim.recording.telemetry import thrust_names
+from seamark.sim.settings.intervention import GROUPS, InterventionSettings
+from seamark.sim.vehicles import most_thrusters
+
+CHARTS = (
+    Chart("Distance of the tool from the grip", "m", ("reach",)),
+    Chart("Depth", "m", ("z", "tool_z", "workpiece_z")),
+    Chart(
+        "Forces on what is worked on, and on the hull",
+        "N",
+        ("work_push_n", "work_rest_n", "work_hull_n", "contact_n"),
+    ),
+    Chart("Grip: all contact of the arm with it", "N", ("work_arm_n",)),
+    *ARM_CHARTS,
+    Chart("Velocity reference", "m/s", ("ref_u", "ref_v", "ref_w")),
+    Chart("Velocity by the DVL", "m/s", ("dvl_u", "dvl_v", "dvl_w")),
+    Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
+    Chart("Tracker's error", "px", ("tracker_error",)),
+    Chart("Thrust", "N", thrust_names(most_thrusters())),
+    Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
+)
+
+
+def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
+    *,
+    name: str,
+    title: str,
+    summary: str,
+    question: str,
+    configuration: type[InterventionSettings],
+    group: MetricGroup,
+    stages: Stages,
+    built_in: Mapping[str, str],
+    reference_built_in: Mapping[str, str],
+) -> Benchmark:
+    """Return a benchmark of programs that move an arm; its folder has the experiment.
+
+    Each built-in solution is a baseline with its default settings. The first metric of the group
+    is the credit.
+    """
+    credit, *rest = group.metrics
+    return Benchmark(
+        name=name,
+        title=title,
+        summary=summary,
+        question=question,
+        participants="programs",
+        role="controller",
+        built_in=built_in,
+        reference_built_in=reference_built_in,
+        experiment=f"seamark.sim.benchmarks.{name.replace('-', '_')}.experiment:EXPERIMENT",
+        headline=Metric("score", "Done up to", "m/s", "higher"),
+        score_bar_max=0.5,
+        level_held_unit="m/s",
+        charts=CHARTS,
+        tables=(Table("Each level", (*group.metrics, HELD)),),
+        key_metrics=(credit,),
+        board_metrics=tuple(metric for metric in rest if metric.unit),
+        metric_groups=(group,),
+        stages=stages,
+        baselines={
+            key: Baseline(label, key) for key, label in {**reference_built_in, **built_in}.items()
+        },
+        configuration=configuration,
+        groups=GROUPS,
+        quick_settings={"levels": [0.1], "level_duration_s": 2.0},
+        protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
+    )

@@ -1,0 +1,1 @@
+"""valve-v1: turn a valve with an arm."""

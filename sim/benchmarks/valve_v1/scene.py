@@ -1,0 +1,115 @@
+"""What stands on the seabed in valve-v1, and what is drawn of it for a trial."""
+
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from seamark.sim.benchmarks.valve_v1.settings import SHAPE, ValveConfiguration
+from seamark.sim.camera.target import Target
+from seamark.sim.multibody.assembly import Frame, Mounting
+from seamark.sim.multibody.workpiece import Workpiece
+from seamark.sim.numerics.libm import PI
+from seamark.sim.numerics.random_streams import Streams
+from seamark.sim.vehicles import Quantity
+from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
+from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.model import Place
+
+VALVE = "valve"
+LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
+SLIDING = (0.6, 0.9)  # torque in motion, as a share of that to break away
+_PREFIX = "work: "
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValveDraw:
+    """What a trial draws of the valve and its panel."""
+
+    heading_rad: float = 0.0  # of the panel's letters; the handle starts along their line
+    height_m: float = SHAPE.height_m  # of the panel above the seabed
+    torque_n_m: float = 5.0  # to break away
+    sliding_share: float = 0.8
+    friction_factor: float = 1.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+def draw_valve(spread: ValveConfiguration, random: Streams) -> ValveDraw:
+    """Return what a trial draws; the stream must be fresh."""
+    heading, height, torque, sliding, friction = random.trial_work.uniform(0.0, 1.0, 5).tolist()
+    least, most = spread.torque_least_n_m, spread.torque_most_n_m
+    return ValveDraw(
+        heading_rad=PI * (2.0 * heading - 1.0),
+        height_m=LOWEST_M + (HIGHEST_M - LOWEST_M) * height,
+        torque_n_m=least + (most - least) * torque,
+        sliding_share=SLIDING[0] + (SLIDING[1] - SLIDING[0]) * sliding,
+        friction_factor=1.0 + spread.friction_spread * (2.0 * friction - 1.0),
+    )
+
+
+def target(drawn: ValveDraw) -> Target:
+    """Return the panel as the camera's target."""
+    return Target(
+        length_m=SHAPE.length_m,
+        width_m=SHAPE.width_m,
+        height_m=drawn.height_m,
+        heading_rad=drawn.heading_rad,
+    )
+
+
+@lru_cache(maxsize=4)
+def workpiece(drawn: ValveDraw) -> Workpiece:
+    """Return the valve on its panel."""
+    panel = target(drawn)
+    top, (right, down) = panel.top_centre(), panel.axes()
+    place = Place(
+        point=_estimate("place", *top.tolist()),
+        turn=_estimate("turn", 0.0, 0.0, drawn.heading_rad + 0.5 * PI),
+    )
+    linkage = _varied(load_linkage(VALVE), drawn)
+    return Workpiece(
+        things=(Mounting(linkage=linkage, place=place, prefix=_PREFIX),),
+        link=f"{_PREFIX}handle",
+        shapes=tuple(f"{_PREFIX}{name}" for name in linkage.shapes()),
+        grip=(0.0, 0.0, 0.0),
+        face=Frame(None, top, np.column_stack([right, down, [0.0, 0.0, 1.0]])),
+        size_m=(SHAPE.length_m, SHAPE.width_m),
+    )
+
+
+def _varied(valve: Linkage, drawn: ValveDraw) -> Linkage:
+    """Return the valve with the panel's height and the handle's torque of a trial."""
+    panel, handle = valve.links
+    if handle.joint.friction is None:
+        raise ValueError("the handle turns without friction")
+    torques = drawn.torque_n_m, drawn.torque_n_m * drawn.sliding_share
+    stiff = replace(handle.joint, friction=replace(handle.joint.friction, value=torques))
+    links = _as_high(panel, drawn.height_m), replace(handle, joint=stiff)
+    return replace(valve, links=tuple(_as_rough(link, drawn.friction_factor) for link in links))
+
+
+def _as_high(panel: LinkData, height_m: float) -> LinkData:
+    """Return the panel, whose origin is on its face, as high as this above the seabed."""
+    (shape,), (solid,) = panel.shapes, panel.solids
+    long, wide, _ = shape.size.value
+    middle = (0.0, 0.0, 0.5 * height_m)
+    place = replace(shape.place, point=replace(shape.place.point, value=middle))
+    size = replace(shape.size, value=(long, wide, 0.5 * height_m))
+    block = replace(solid, centre=middle, size=(solid.size[0], solid.size[1], height_m))
+    return replace(panel, shapes=(replace(shape, place=place, size=size),), solids=(block,))
+
+
+def _as_rough(link: LinkData, factor: float) -> LinkData:
+    def rough(shape: Touchable) -> Touchable:
+        friction = replace(shape.friction, value=(shape.friction.scalar * factor,))
+        return replace(shape, friction=friction)
+
+    return replace(link, shapes=tuple(map(rough, link.shapes)))
+
+
+def _estimate(meaning: str, *value: float) -> Quantity:
+    return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")

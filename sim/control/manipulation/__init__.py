@@ -1,0 +1,1 @@
+"""Controllers that move an arm: kinematics, where the work is seen, and what is done with it."""

@@ -1,0 +1,78 @@
+"""Recovering a box by its handle: come down to it, close the hand, lift, hold.
+
+And again from the start if the hand closes on nothing.
+"""
+
+from collections.abc import Mapping
+
+from seamark.sim.control.manipulation.approach import (
+    KZ,
+    WORK,
+    Approach,
+    ArmCompensates,
+    OneLook,
+    clipped,
+)
+from seamark.sim.control.manipulation.kinematics import Vector
+from seamark.sim.control.observation import Observation
+from seamark.sim.numerics.libm import PI
+
+LIFT_M, RISE_M_S = 0.75, 0.12
+CLOSE_S = 2.0
+EMPTY_RAD = 0.03  # from the end of its range: a jaw that has nothing in it
+CLOSE, LIFT = WORK, WORK + 1
+
+
+class Recover(Approach):
+    """The steps of a recovery."""
+
+    BOTTOM_M = 0.02
+    HANDLE_M = 0.07
+    HANDLE_RAD = 0.5 * PI
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.goal_depth = 0.0
+
+    def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
+        if self.phase == CLOSE and self.since_s > CLOSE_S:
+            self.goal_depth = self._depth(observation) - LIFT_M
+            self._go(LIFT)
+        elif self.phase == LIFT and self._empty(joints):
+            self._again()
+
+    def _empty(self, joints: list[float]) -> bool:
+        return joints[self.jaw] < self.kinematics.ranges[self.jaw][0] + EMPTY_RAD
+
+    def _jaw_speed(self, joints: list[float]) -> float:
+        if self.phase >= CLOSE:
+            return -self.kinematics.fastest[self.jaw]
+        return super()._jaw_speed(joints)
+
+    def _fly(self, error: Vector, yaw: float, observation: Observation) -> list[float]:
+        if self.phase != LIFT:
+            return super()._fly(error, yaw, observation)
+        surge, sway, _ = super()._fly((0.0, 0.0, 0.0), yaw, observation)
+        return [surge, sway, clipped(KZ * (self.goal_depth - self._depth(observation)), RISE_M_S)]
+
+
+class Scripted(Recover):
+    """The vehicle alone goes where the hand is needed; the arm keeps one posture."""
+
+    label = "Scripted: the vehicle brings the hand"
+
+
+class Blind(OneLook, Scripted):
+    """Sees the box once, at the start, and then goes by dead reckoning."""
+
+    label = "Blind after the first look"
+
+
+class ResolvedRate(ArmCompensates, Recover):
+    """The arm takes off what the vehicle leaves of the error, at the rate of its joints."""
+
+    label = "Resolved rate: vehicle and arm together"
+
+    def _folded(self) -> bool:
+        return self.phase == LIFT

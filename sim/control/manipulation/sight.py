@@ -1,0 +1,61 @@
+"""Where a level rectangle is, from its corners in the image of a camera that looks down."""
+
+import math
+from typing import NamedTuple
+
+from seamark.sim.control.manipulation.kinematics import Matrix, Vector, applied, plus
+from seamark.sim.numerics.libm import atan2
+
+Corners = list[float]  # (8,) [px] x0 y0 to x3 y3
+_TOLERANCE = 0.2  # E: sides of a rectangle that differ by more are not those of a tracked target
+
+
+class Pinhole(NamedTuple):
+    """The camera as a program is told: it looks along body z, image right is body y."""
+
+    focal_px: float
+    centre_px: tuple[float, float]
+    mount_m: Vector
+
+
+class Seen(NamedTuple):
+    """A rectangle, in axes at the body's origin that are level and turned with its heading."""
+
+    centre: Vector  # [m]
+    yaw: float  # [rad] of its long side, from the vehicle's heading
+
+
+def find(
+    corners: Corners, size_m: tuple[float, float], camera: Pinhole, attitude: Matrix
+) -> Seen | None:
+    """Return where a level rectangle of known size is; None if these are not its corners.
+
+    `attitude` takes body axes to level ones: of roll and pitch alone.
+    """
+    points = [_at_unit_depth(corners[2 * i : 2 * i + 2], camera, attitude) for i in range(4)]
+    if any(point is None for point in points):
+        return None
+    a, b, c, d = (point for point in points if point is not None)
+    long, short = (_length(a, b), _length(d, c)), (_length(a, d), _length(b, c))
+    total = long[0] + long[1] + short[0] + short[1]
+    if total < 1e-9:
+        return None
+    depth = 2.0 * (size_m[0] + size_m[1]) / total
+    for sides, true in ((long, size_m[0]), (short, size_m[1])):
+        if any(abs(depth * side / true - 1.0) > _TOLERANCE for side in sides):
+            return None
+    x, y = (0.25 * depth * (a[i] + b[i] + c[i] + d[i]) for i in (0, 1))
+    along = (b[0] - a[0] + c[0] - d[0], b[1] - a[1] + c[1] - d[1])
+    mount = applied(attitude, camera.mount_m)
+    return Seen(plus(mount, (x, y, depth)), atan2(along[1], along[0]))
+
+
+def _at_unit_depth(pixel: Corners, camera: Pinhole, attitude: Matrix) -> tuple[float, float] | None:
+    """Return where the ray of a pixel is one metre below the camera, level axes."""
+    u, v = ((pixel[i] - camera.centre_px[i]) / camera.focal_px for i in (0, 1))
+    x, y, z = applied(attitude, (-v, u, 1.0))
+    return (x / z, y / z) if z > 0.1 and math.isfinite(x + y) else None
+
+
+def _length(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return math.sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]))

@@ -1,0 +1,118 @@
+"""What every intervention is measured by: credit and stages, time, forces and energy."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from seamark.sim.metrics.metric import MAX, SUM, LevelMetric
+from seamark.sim.metrics.stages import Attempt, Progress, Stage
+from seamark.sim.recording.telemetry import Rows, thrusts
+
+REACH_M = 0.1  # [m] E: half of a handle's length and the width of a hand
+NEAR_S = 1.0  # [s] for which the tool must be so near: nothing that drifts past
+TOUCH_N = 1.0  # [N]
+STRIKE_N = 250.0  # [N] E: over a control step; 200 kg that stop from 6 cm/s
+STRUCK = 0.5  # credit that is left after a strike
+
+
+class StagedAttempt(Attempt):
+    """The rows of a level in which work has stages."""
+
+    stages: tuple[Stage, ...]
+    progress: Progress
+
+    def __init__(self, rows: Rows, dt: float) -> None:
+        super().__init__(rows, dt)
+        self.touched = self.column("work_arm_n") > TOUCH_N
+
+    @property
+    def hull_peak_n(self) -> float:
+        """Largest contact force on the hull [N]."""
+        return float(self.column("contact_n").max(initial=0.0))
+
+    @property
+    def time_s(self) -> float:
+        """Time to the last stage; the whole level, if it was not reached [s]."""
+        steps = self.progress.steps
+        whole = len(steps) == len(self.stages)
+        return (steps[-1] if whole else len(self.rows)) * self.dt
+
+    @property
+    def energy(self) -> float:
+        """Integral of |thrust|^1.5 over the level, as other benchmarks have it."""
+        size = np.abs(thrusts(self.rows))
+        return math.fsum((size * np.sqrt(size)).ravel().tolist()) * self.dt
+
+
+def credit_metric(stages: Sequence[Stage], meaning: str) -> LevelMetric[Any]:
+    """Return the credit of an attempt, from which the score is made."""
+    return LevelMetric(
+        name="credit",
+        label="Credit",
+        unit="",
+        better="higher",
+        meaning=meaning,
+        formula="; ".join(f"{stage.label.lower()}: {stage.credit:g}" for stage in stages),
+        compute=lambda attempt: attempt.progress.credit,
+    )
+
+
+def stage_metrics(stages: Sequence[Stage]) -> tuple[LevelMetric[Any], ...]:
+    """Return for each stage whether it was reached."""
+    return tuple(_reached(number, stage) for number, stage in enumerate(stages))
+
+
+def _reached(number: int, stage: Stage) -> LevelMetric[StagedAttempt]:
+    return LevelMetric(
+        name=stage.name,
+        label=stage.label,
+        unit="",
+        better="higher",
+        meaning="1 if this stage was reached",
+        formula="1 or 0",
+        compute=lambda attempt: float(attempt.progress.reached(number)),
+    )
+
+
+def cost_metrics(work: str) -> tuple[LevelMetric[Any], ...]:
+    """Return what an attempt costs; `work` is what the arm works on, as in "the box"."""
+    return (
+        LevelMetric(
+            name="time_s",
+            label="Time to completion",
+            unit="s",
+            better="lower",
+            meaning="the whole level, if it was not completed",
+            formula="time at which the last stage was reached",
+            compute=lambda attempt: attempt.time_s,
+        ),
+        LevelMetric(
+            name="push_n",
+            label=f"Largest push on {work}",
+            unit="N",
+            better="lower",
+            formula="max work_push_n",
+            compute=lambda attempt: float(attempt.column("work_push_n").max(initial=0.0)),
+            over=MAX,
+        ),
+        LevelMetric(
+            name="hull_n",
+            label="Hardest blow of the hull",
+            unit="N",
+            better="lower",
+            formula="max contact_n",
+            compute=lambda attempt: attempt.hull_peak_n,
+            over=MAX,
+        ),
+        LevelMetric(
+            name="energy_n15_s",
+            label="Energy",
+            unit="N^1.5 s",
+            better="lower",
+            formula="sum |thrust|^1.5 dt",
+            compute=lambda attempt: attempt.energy,
+            over=SUM,
+        ),
+    )

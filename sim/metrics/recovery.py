@@ -1,0 +1,84 @@
+"""Recovering a box from the seabed: stages, and what an attempt costs.
+
+The box counts as carried while nothing but the arm touches it: not the seabed, no stone, not the
+vehicle's hull. So a push, a throw and a box on the hull give nothing.
+"""
+
+from seamark.sim.metrics.attempts import (
+    NEAR_S,
+    REACH_M,
+    STRIKE_N,
+    STRUCK,
+    StagedAttempt,
+    cost_metrics,
+    credit_metric,
+    stage_metrics,
+)
+from seamark.sim.metrics.metric import MetricGroup
+from seamark.sim.metrics.stages import Progress, Stage, first_run, longest_run
+from seamark.sim.recording.telemetry import Rows
+
+LIFT_M = 0.5  # [m] E: clear of the seabed, as of a hold-down before a vehicle leaves
+HOLD_S = 10.0  # [s]
+FREE_S = 0.5  # [s] for which the box must be carried before it counts
+
+STAGES = (
+    Stage(name="reached", label="Reached the handle", credit=0.05),
+    Stage(name="touched", label="Touched the box", credit=0.1),
+    Stage(name="taken", label="Taken off the seabed", credit=0.3),
+    Stage(name="lifted", label="Lifted by 0.5 m", credit=0.6),
+    Stage(name="completed", label="Held for 10 s", credit=1.0),
+)
+
+
+class Recovery(StagedAttempt):
+    """The rows of a level in which a box is to be recovered."""
+
+    stages = STAGES
+
+    def __init__(self, rows: Rows, dt: float) -> None:
+        super().__init__(rows, dt)
+        hull, rest = (self.column(f"work_{who}_n") for who in ("hull", "rest"))
+        self.carried = self.touched & (hull == 0.0) & (rest == 0.0)
+        depth = self.column("workpiece_z")
+        self.lift_m = depth[0] - depth
+        self.progress = self._progress()
+
+    def _progress(self) -> Progress:
+        """Return how far the attempt got."""
+        high = self.carried & (self.lift_m >= LIFT_M)
+        goals = (
+            (self.column("reach") <= REACH_M, NEAR_S),
+            (self.touched, self.dt),
+            (self.carried, FREE_S),
+            (high, FREE_S),
+            (high, HOLD_S),
+        )
+        reached: list[int] = []
+        for holds, seconds in goals:
+            at = first_run(holds, self.steps(seconds), reached[-1] if reached else 0)
+            if at is None:
+                break
+            reached.append(at)
+        credit = STAGES[len(reached) - 1].credit if reached else 0.0
+        if len(reached) == 4:  # a part of the time for which it should be held counts in part
+            share = longest_run(high, reached[2]) / self.steps(HOLD_S)
+            credit += share * (STAGES[4].credit - STAGES[3].credit)
+        return Progress(tuple(reached), credit * (STRUCK if self.struck(reached) else 1.0))
+
+    def struck(self, reached: list[int]) -> bool:
+        """Return whether the hull struck something, or the arm the box before it was carried."""
+        carried = len(reached) > 2
+        before = reached[2] - self.steps(FREE_S) + 1 if carried else len(self.rows)
+        blow = float(self.column("work_push_n")[:before].max(initial=0.0))
+        return max(blow, self.hull_peak_n) > STRIKE_N
+
+
+def reached(rows: Rows, dt: float) -> tuple[int, ...]:
+    """Return the row at which each stage was reached, as far as they were."""
+    return Recovery(rows, dt).progress.steps
+
+
+CREDIT = credit_metric(STAGES, "of the last stage that was reached, half of it after a strike")
+METRICS = (CREDIT, *stage_metrics(STAGES), *cost_metrics("the box"))
+GROUP = MetricGroup("Recovery", METRICS)

@@ -1,0 +1,187 @@
+"""Programs that do not turn the valve with a hand stay at the bottom of valve-v1."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.valve_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.valve_v1.settings import ValveConfiguration
+from seamark.sim.control.manipulation.approach import clipped
+from seamark.sim.control.manipulation.kinematics import Vector, plus
+from seamark.sim.control.manipulation.valve import Blind, Scripted
+from seamark.sim.control.observation import Observation, arm_size
+from seamark.sim.engine.program import Command
+from seamark.sim.metrics.valve_turning import STAGES
+from seamark.sim.numerics.libm import sincos
+from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
+
+pytestmark = pytest.mark.slow
+# The weakest valve there is, which turns most easily.
+CONFIG = ValveConfiguration.read(
+    {"levels": [0.1], "level_duration_s": 45.0, "torque_most_n_m": 2.0, "tracker": "truth"}
+)
+SEED = 2026
+TOUCHED = STAGES[1].credit
+TRIALS = (0, 2, 3)
+
+
+class Driver:
+    """A `Program` out of something with `reset` and `step`; it keeps its commands."""
+
+    def __init__(self, controller: Any) -> None:
+        self._controller, self._size = controller, arm_size(CONFIG.the_arm())
+        self.commands: list[Command] = []
+
+    def reset(self, level: Any) -> None:
+        self._controller.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        command = tuple(map(float, self._controller.step(Observation(values, self._size))))
+        self.commands.append(command)
+        return command
+
+
+class HullSpinner(Scripted):
+    """Lands on the handle with the hull and turns about itself."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        command = list(super().step(observation))
+        if observation.t > 8.0:
+            ahead, side, _ = self._grip(observation, self.attitude[2])
+            command[:4] = [clipped(0.7 * ahead, 0.3), clipped(0.7 * side, 0.3), 0.0, 0.3]
+            if abs(ahead) < 0.1 and abs(side) < 0.1:
+                command[2] = 0.15
+        return command
+
+    def _advance(self, *arguments: Any) -> None:
+        self.falling = 0.0
+
+
+class Dropper(Scripted):
+    """Comes over the handle and lets the vehicle fall on it."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        command = list(super().step(observation))
+        if observation.t > 12.0:
+            command[2] = 1.0
+        return command
+
+    def _advance(self, *arguments: Any) -> None:
+        self.falling = 0.0
+
+
+class Flicker(Scripted):
+    """Brings the closed hand beside the end of the lever and flicks it aside."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        command = list(super().step(observation))
+        if observation.t > 18.0:
+            (sine, cosine), speed = sincos(self.handle - self.attitude[2]), 0.4
+            command[:2] = [-speed * sine, speed * cosine]
+        return command
+
+    def _grip(self, observation: Observation, yaw: float) -> Vector:
+        grip = super()._grip(observation, yaw)
+        sine, cosine = sincos(self.handle - yaw)
+        along, across = 0.06, -0.1
+        beside = (along * cosine - across * sine, along * sine + across * cosine, 0.0)
+        return plus(grip, beside)
+
+    def _work(self, *arguments: Any) -> None:
+        self.falling = 0.0
+
+    def _jaw_speed(self, joints: list[float]) -> float:
+        return -self.kinematics.fastest[self.jaw]
+
+
+class Still:
+    """Holds still."""
+
+    def reset(self, level: Any) -> None:
+        pass
+
+    def step(self, observation: Observation) -> Command:
+        return (0.0,) * 9
+
+
+class ByDvl(Scripted):
+    """Goes to where the handle is on average and turns the wrist; it reads no image."""
+
+    def _look(self, observation: Observation, tilt: Any, yaw: float) -> None:
+        if self.work is None:
+            x, y, _ = self.camera.mount_m
+            sine, cosine = sincos(yaw)
+            depth = float(observation.depth) + 1.6 - self.HANDLE_M
+            self.work = (cosine * x - sine * y, sine * x + cosine * y, depth)
+            self.handle = yaw + 0.5 * np.pi
+
+
+class Playback:
+    """Repeats the commands of a run that it has seen."""
+
+    def __init__(self, commands: Sequence[Command]) -> None:
+        self._commands = commands
+
+    def reset(self, level: Any) -> None:
+        self._at = 0
+
+    def step(self, observation: Observation) -> Command:
+        self._at += 1
+        return self._commands[self._at - 1]
+
+
+def rows_of(controller: Any, trial: int = 0) -> NDArray[np.float64]:
+    """Return the rows of a level."""
+    rows: list[NDArray[np.float64]] = []
+    EXPERIMENT.level(CONFIG, Driver(controller), seed=SEED, trial=trial, level=0).run(rows.append)
+    return np.concatenate(rows)
+
+
+def credit(rows: NDArray[np.float64]) -> float:
+    return float(EXPERIMENT.metrics(CONFIG, 0, rows)["credit"])
+
+
+@pytest.mark.parametrize("cheat", [Dropper, Flicker, ByDvl])
+def test_who_does_not_turn_the_wrist_at_the_handle_gets_little_more_than_a_touch(
+    cheat: Callable[[Any], Any],
+) -> None:
+    credits = [credit(rows_of(cheat(CONFIG.for_program()), trial)) for trial in TRIALS]
+
+    assert max(credits) < STAGES[2].credit
+    assert sum(credits) <= len(TRIALS) * TOUCHED
+
+
+def test_turns_by_the_hull_do_not_count() -> None:
+    attempts = [rows_of(HullSpinner(CONFIG.for_program()), trial) for trial in TRIALS]
+    hull = [rows[:, WORK_INDEX["work_hull_n"]].max() for rows in attempts]
+
+    assert max(hull) > 0.0
+    assert max(map(credit, attempts)) <= TOUCHED
+
+
+def test_holding_still_gives_nothing() -> None:
+    rows = rows_of(Still())
+
+    assert credit(rows) == 0.0
+    assert rows[:, INDEX["contact_n"]].max() == 0.0
+
+
+def test_commands_that_turned_the_valve_once_turn_no_other() -> None:
+    honest = Driver(Scripted(CONFIG.for_program()))
+    rows: list[NDArray[np.float64]] = []
+    EXPERIMENT.level(CONFIG, honest, seed=SEED, trial=2, level=0).run(rows.append)
+    assert credit(np.concatenate(rows)) > STAGES[2].credit
+
+    others = [credit(rows_of(Playback(honest.commands), trial)) for trial in (0, 1, 3)]
+
+    assert max(others) <= TOUCHED
+
+
+def test_who_looks_once_turns_less_than_who_keeps_looking() -> None:
+    seeing = [credit(rows_of(Scripted(CONFIG.for_program()), trial)) for trial in TRIALS]
+    blind = [credit(rows_of(Blind(CONFIG.for_program()), trial)) for trial in TRIALS]
+
+    assert sum(blind) < 0.5 * sum(seeing)
