@@ -48,6 +48,7 @@ OTHERS = {
     "paper_figures": "simulator.validation.experiment",
     "visibility": "perception.visibility.measurement",
     "headroom": "statistics.headroom.currents",
+    "intervention_headroom": "statistics.headroom.interventions",
     "visibility_headroom": "statistics.headroom.visibility",
     "adversaries": "statistics.adversaries",
     "population": "statistics.population",

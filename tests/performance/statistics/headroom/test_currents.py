@@ -6,23 +6,21 @@ from pathlib import Path
 import pytest
 
 from performance import DOCS
-from performance.statistics.headroom.currents import (
-    NAME,
+from performance.statistics.headroom.currents import PLAN
+from performance.statistics.headroom.over_current import (
     Measured,
     insert,
-    known_entries,
     ordered,
     reference_table,
     share_of_scale,
 )
 from seamark.sim.numerics.statistics import mean, paired_interval
-from seamark.sim.registry import benchmark
 
 TITLES = {"nothing": "Nothing", "pi": "PI", "oracle": "Oracle"}
 
 
 def trials(*scores: float) -> Measured:
-    return Measured(seed=1, scores=scores, quality=())
+    return Measured(seed=1, scores=scores, levels={})
 
 
 ENTRIES = {
@@ -43,7 +41,7 @@ def test_the_scale_goes_from_doing_nothing_to_the_oracle() -> None:
 
 
 def test_a_row_has_score_interval_share_of_the_scale_step_and_parts() -> None:
-    rows = reference_table(ENTRIES, TITLES, block=2).splitlines()[2:]
+    rows = reference_table(PLAN, ENTRIES, TITLES).splitlines()[2:]
     cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
 
     assert [row[0] for row in cells] == ["Nothing", "PI", "Oracle"]
@@ -60,7 +58,7 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
     old = "| entry | current held [m/s] |\n|---|---|\n| PI | 1 |\n"
     path.write_text(f"{other}\nbefore\n\n{old}\nafter\n")
 
-    insert(path, reference_table(ENTRIES, TITLES, block=2))
+    insert(path, reference_table(PLAN, ENTRIES, TITLES))
 
     text = path.read_text()
     assert text.startswith(f"{other}\nbefore\n\n| entry | current held [m/s], 95 % interval |")
@@ -69,21 +67,21 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
 
 
 def test_each_entry_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
-    stored = known_entries()
+    stored = PLAN.known()
     steps = {
         (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=2)
         for worse, better in pairwise(ordered(stored))
     }
 
-    assert set(stored) == set(benchmark(NAME).baselines)
+    assert set(stored) == set(PLAN.definition.baselines)
     assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
 
 
 def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale() -> None:
-    stored, entry = known_entries(), benchmark(NAME)
-    titles = {name: mark.title for name, mark in entry.baselines.items()}
+    stored = PLAN.known()
+    table = reference_table(PLAN, stored, PLAN.titles())
 
-    assert reference_table(stored, titles, block=2) in (DOCS / "benchmarks.md").read_text("utf-8")
-    assert entry.scale == pytest.approx(
+    assert table in (DOCS / "benchmarks.md").read_text("utf-8")
+    assert PLAN.definition.scale == pytest.approx(
         [mean(stored[name].scores) for name in ("nothing", "oracle")], abs=0.0005
     )
