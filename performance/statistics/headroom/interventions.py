@@ -8,19 +8,19 @@ these trials. They are those of `seamark run BENCHMARK --controller ENTRY --seed
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from performance.statistics.headroom import over_current
 from performance.statistics.headroom.over_current import HALVES, Headroom, Measured, of_parts
-from seamark.sim.settings.intervention import InterventionSettings
+from seamark.sim import registry
 
 SEED, TRIALS = 777, 24  # neither the reference seed nor one that controllers were tuned on
-SCORES = {"valve-v1": "turned up to"}
-SPEEDS = InterventionSettings.model_fields["levels"].default
+SCORES = {"recover-v1": "recovered up to", "valve-v1": "turned up to"}
 
 
-def columns(one: Measured) -> Mapping[str, str]:
+def columns(speeds: Sequence[float], one: Measured) -> Mapping[str, str]:
     """Return what the table has beside the score: how often the last stage was reached."""
-    shares = zip(SPEEDS, one.levels["completed"], strict=True)
+    shares = zip(speeds, one.levels["completed"], strict=True)
     done = {f"done at {speed:g} m/s, %": f"{100.0 * share:.0f}" for speed, share in shares}
     return done | of_parts(one, HALVES)
 
@@ -36,7 +36,7 @@ def plan(benchmark: str) -> Headroom:
         score=SCORES[benchmark],
         curve="credit",
         levels=("credit", "completed"),
-        columns=columns,
+        columns=partial(columns, registry.benchmark(benchmark).read({}).level_values()),
         parts=HALVES,
     )
 

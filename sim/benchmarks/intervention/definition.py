@@ -9,6 +9,7 @@ from seamark.sim.benchmarks.benchmark import (
     Chart,
     RankedProtocol,
     Stages,
+    StartingPoint,
     Table,
 )
 from seamark.sim.metrics.metric import Metric, MetricGroup
@@ -65,7 +66,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         reference_built_in=reference_built_in,
         experiment=f"seamark.sim.benchmarks.{name.replace('-', '_')}.experiment:EXPERIMENT",
         headline=Metric("score", "Done up to", "m/s", "higher"),
-        score_bar_max=0.5,
+        score_bar_max=max(configuration.model_fields["levels"].default),
         level_held_unit="m/s",
         charts=CHARTS,
         tables=(Table("Each level", (*group.metrics, HELD)),),
@@ -78,6 +79,14 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         },
         configuration=configuration,
         groups=GROUPS,
+        starting_points={
+            "still-water": StartingPoint(
+                "Still water", "One level without a current, to begin with.", {"levels": (0.0,)}
+            ),
+            "wrist-camera": StartingPoint(
+                "Camera on the arm", "The program gets its images.", {"images": "arm"}
+            ),
+        },
         quick_settings={"levels": [0.1], "level_duration_s": 2.0},
         protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
     )

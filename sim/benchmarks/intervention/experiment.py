@@ -19,6 +19,8 @@ from seamark.sim.vehicles import load
 
 Settings = TypeVar("Settings", bound=InterventionSettings)
 DONE_CREDIT = 0.999  # from which an attempt counts as done
+TRIED_CREDIT = 0.1  # of a program that got its hand to the work
+NOT_TRIED = "The arm did not get to its work in either of the two weakest currents."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,10 +103,13 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
             if not level["held"]:
                 break
             held = float(level["speed"])
+        weakest = sorted(levels, key=lambda level: float(level["speed"]))[:2]
+        tried = any(level["credit"] >= TRIED_CREDIT for level in weakest)
         return TrialScore(
             score=score,
             level_held=held,
-            rankable=math.isfinite(score),
+            rankable=math.isfinite(score) and tried,
+            reason="" if tried else NOT_TRIED,
             overall=over_run(self._metrics, levels),
         )
 

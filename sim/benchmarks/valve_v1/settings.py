@@ -3,6 +3,8 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
+from seamark.sim.metrics.valve_turning import METRICS
+from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.intervention import ARMED, InterventionSettings
 from seamark.sim.settings.setting import override
@@ -41,6 +43,8 @@ class ValveConfiguration(InterventionSettings):
         tag="E",
         source="a third of what the wrist of the arm gives",
     )
+
+    score: str = custom_score_setting(METRICS, group="Experiment")
 
     def target_shape(self) -> TargetShape:
         """Return the panel."""

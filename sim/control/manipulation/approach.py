@@ -39,6 +39,9 @@ KP, KI = 0.7, 0.15  # [1/s, 1/s²] of the vehicle, level
 KZ = 0.25  # [1/s] slower than the depth control that it moves the set point of
 KJ = 2.0  # [1/s] of the joints
 LEARN = 0.25  # share of a new sighting in what is remembered
+LOW_M = 0.15  # of the tool above the grip, from which on it does not look
+BELIEVED_M = 0.03  # of a correction on the way down
+DRIFT, MOST_DRIFT_M_S = 0.04, 0.02  # share of a correction in it [1/s]
 FASTEST_M_S = 0.25
 SEE, COME, FALL, WORK = range(4)  # phases; subclasses may have more after these
 
@@ -76,6 +79,7 @@ class Approach(ABC):
         self.place = [0.0, 0.0]  # [m] of the vehicle, north and east of its start
         self.work: Vector | None = None  # [m] grip, north and east of the start, depth
         self.handle = 0.0  # [rad] direction of the handle
+        self.drift = [0.0, 0.0]  # [m/s] of the reckoning, north and east
         self.integral = [0.0, 0.0]  # [m/s] north, east
         self.offset = self.ABOVE_M  # [m] of the tool above the grip
         self.falling = 0.0
@@ -120,6 +124,8 @@ class Approach(ABC):
         north, east = turned(velocity, yaw)
         self.place[0] += north * self.dt
         self.place[1] += east * self.dt
+        for axis in (0, 1):
+            self.place[axis] -= self.drift[axis] * self.dt
 
     def _depth(self, observation: Observation) -> float:
         return float(observation.depth)
@@ -143,9 +149,15 @@ class Approach(ABC):
             self._correct(minus(place, self.work))
 
     def _correct(self, off: Vector) -> None:
-        """Learn from how far the handle is from where it was thought to be."""
+        """Learn where the handle is, and the drift of the reckoning: the handle stands still."""
+        if self.phase == FALL:  # the lower the hand, the more of the face it hides
+            off = (off[0], off[1], 0.0)
+            if self.offset < LOW_M or dot(off, off) > BELIEVED_M * BELIEVED_M:
+                return
         if self.work is not None:
             self.work = plus(self.work, times(off, LEARN))
+        for axis in (0, 1):
+            self.drift[axis] = clipped(self.drift[axis] + DRIFT * off[axis], MOST_DRIFT_M_S)
 
     def _grip(self, observation: Observation, yaw: float) -> Vector:
         """Return where the grip is from the body's origin, level axes turned with the heading."""

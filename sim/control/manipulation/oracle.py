@@ -6,11 +6,16 @@ from types import SimpleNamespace
 from typing import Any
 
 from seamark.sim.control.manipulation import recover, valve
-from seamark.sim.control.manipulation.approach import WORK, Approach
+from seamark.sim.control.manipulation.approach import FALL, WORK, Approach, clipped, turned
 from seamark.sim.control.manipulation.kinematics import Matrix, Vector, applied, rotation
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import atan2
+
+KYAW, YAW_RAD_S = 0.6, 0.2  # [1/s] of the heading
+BOW_RAD = 0.3  # from the current, to come down
+WEAK_M_S = 0.05  # a current that needs no turn
+MEAN_S = 15.0  # over which the current is averaged
 
 
 class Oracle(Approach):
@@ -89,7 +94,47 @@ class Oracle(Approach):
 
 
 class RecoverOracle(Oracle, recover.ResolvedRate):
-    """`recover.ResolvedRate` that sees the truth."""
+    """`recover.ResolvedRate` that sees the truth and turns its bow into the current.
+
+    A Girona 500 resists from ahead more than twice the current that it resists from abeam.
+    """
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Know the current of the start."""
+        super().reset(level)
+        self._flow = self._plant.current_world().tolist()[:2]
+
+    def step(self, observation: Observation) -> list[float]:
+        """Return the command."""
+        for axis, now in enumerate(self._plant.current_world().tolist()[:2]):
+            self._flow[axis] += (now - self._flow[axis]) * self.dt / MEAN_S
+        return super().step(observation)
+
+    def _turn(self, joints: list[float], tilt: Matrix, yaw: float) -> float:
+        return self._yaw_rate()
+
+    def _yaw_rate(self) -> float:
+        if self.phase in {FALL, recover.CLOSE}:  # the jaws stay across the handle
+            return 0.0
+        return clipped(KYAW * self._off_the_bow(), YAW_RAD_S)
+
+    def _fly(self, error: Vector, yaw: float, observation: Observation) -> list[float]:
+        """Return surge, sway and heave; the vehicle turns about the tool."""
+        surge, sway, heave = super()._fly(error, yaw, observation)
+        ahead, side, _ = self.kinematics.tool(self._joints(observation)).point
+        rate = self._yaw_rate()
+        return [surge + rate * side, sway - rate * ahead, heave]
+
+    def _ready(self) -> bool:
+        return abs(self._off_the_bow()) < BOW_RAD
+
+    def _off_the_bow(self) -> float:
+        """Return the direction from which the water comes in the mean, from the bow [rad]."""
+        north, east = self._flow
+        if north * north + east * east < WEAK_M_S * WEAK_M_S:
+            return 0.0
+        ahead, side = turned((-north, -east, 0.0), -self._plant.pose()[5])
+        return atan2(side, ahead)
 
 
 class ValveOracle(Oracle, valve.ResolvedRate):

@@ -19,7 +19,7 @@ from seamark.sim.numerics.libm import PI
 
 LIFT_M, RISE_M_S = 0.75, 0.12
 CLOSE_S = 2.0
-EMPTY_RAD = 0.03  # from the end of its range: a jaw that has nothing in it
+EMPTY_RAD = -0.03  # of a jaw that has closed farther than the handle lets it
 CLOSE, LIFT = WORK, WORK + 1
 
 
@@ -43,7 +43,7 @@ class Recover(Approach):
             self._again()
 
     def _empty(self, joints: list[float]) -> bool:
-        return joints[self.jaw] < self.kinematics.ranges[self.jaw][0] + EMPTY_RAD
+        return joints[self.jaw] < EMPTY_RAD
 
     def _jaw_speed(self, joints: list[float]) -> float:
         if self.phase >= CLOSE:

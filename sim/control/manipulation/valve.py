@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 
 from seamark.sim.control.manipulation.approach import (
     FALL,
+    LOW_M,
     WORK,
     Approach,
     ArmCompensates,
@@ -22,7 +23,6 @@ from seamark.sim.control.manipulation.kinematics import (
     Matrix,
     Vector,
     applied,
-    dot,
     minus,
     plus,
     product,
@@ -48,11 +48,8 @@ LEANING_S = 4.0
 TURN_S = 25.0
 SLIPPED_M = 0.07  # of the tool from the handle's middle
 RISE_M_S = 0.06
-LOW_M = 0.15  # of the tool above the handle, from which on it does not look
-BELIEVED_M = 0.03  # of a correction on the way down
 SETTLE_S = 7.0  # above the handle
 LONG_S = 18.0  # to come down: the hand stands on the lever
-DRIFT, MOST_DRIFT_M_S = 0.04, 0.02  # share of a correction in it [1/s]
 TURN, LEAVE = WORK, WORK + 1
 
 
@@ -75,28 +72,12 @@ class TurnValve(Approach):
         self.leaning = [0.0, 0.0]  # [rad] roll and pitch in the mean
         self.gripped, self.pause_s = False, 0.0
         self.touching = 0  # parts of the hand
-        self.drift = [0.0, 0.0]  # [m/s] of the reckoning, north and east
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return the command."""
         self.attitude = self._attitude(observation)
         self.touching = int(sum(observation.touch.tolist()))
         return super().step(observation)
-
-    def _reckon(self, velocity: Vector, yaw: float) -> None:
-        super()._reckon(velocity, yaw)
-        for axis in (0, 1):
-            self.place[axis] -= self.drift[axis] * self.dt
-
-    def _correct(self, off: Vector) -> None:
-        """Learn the drift of the reckoning, too: the panel stands still."""
-        if self.phase == FALL:  # the lower the hand, the more of the panel it hides
-            off = (off[0], off[1], 0.0)
-            if self.offset < LOW_M or dot(off, off) > BELIEVED_M * BELIEVED_M:
-                return
-        super()._correct(off)
-        for axis in (0, 1):
-            self.drift[axis] = clipped(self.drift[axis] + DRIFT * off[axis], MOST_DRIFT_M_S)
 
     def _learn(self, seen: Seen, yaw: float, observation: Observation) -> None:
         super()._learn(seen, yaw, observation)

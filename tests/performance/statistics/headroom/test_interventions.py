@@ -10,7 +10,7 @@ def test_a_row_has_how_often_the_work_was_done_at_each_speed_and_both_halves() -
     done = (1.0, 0.75, 0.5, 0.25, 0.125, 0.0)
     one = Measured(seed=1, scores=(0.1, 0.2, 0.3, 0.4), levels={"completed": done})
 
-    cells = columns(one)
+    cells = columns((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), one)
 
     assert [*cells.values()][: len(done)] == ["100", "75", "50", "25", "12", "0"]
     assert [*cells][1] == "done at 0.1 m/s, %"
