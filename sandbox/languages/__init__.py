@@ -53,17 +53,19 @@ def kinds(names: Iterable[str]) -> str:
     return " or ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
-def starters(role: str = CONTROLLER) -> dict[str, Sample]:
+def starters(role: str = CONTROLLER, *, moves_arm: bool = False) -> dict[str, Sample]:
     """Return the programs to start from, by their names for `seamark init --language`."""
     return {
         one.name or language.name: one
         for language in LANGUAGES.values()
         for one in language.starters
-        if one.role == role
+        if one.role == role and one.moves_arm == moves_arm
     }
 
 
-def editor_starters(role: str) -> dict[str, Sample]:
+def editor_starters(role: str, *, moves_arm: bool = False) -> dict[str, Sample]:
     """Return the programs that the form's editor starts with, by language: those of one text."""
-    texts = {name: language.starter(role) for name, language in LANGUAGES.items()}
+    texts = {
+        name: language.starter(role, moves_arm=moves_arm) for name, language in LANGUAGES.items()
+    }
     return {name: one for name, one in texts.items() if one and LANGUAGES[name].is_text}

@@ -104,7 +104,11 @@ class Language:
             return "`./run` installs all that it needs"
         return f"apt-get install {' '.join(self.debian_packages)}"
 
-    def starter(self, role: str = CONTROLLER) -> Sample | None:
+    def starter(self, role: str = CONTROLLER, *, moves_arm: bool = False) -> Sample | None:
         """Return the program to start from; None if there is none for this role."""
-        matching = (one for one in self.starters if one.role == role and not one.name)
+        matching = (
+            one
+            for one in self.starters
+            if one.role == role and one.moves_arm == moves_arm and not one.name
+        )
         return next(matching, None)

@@ -14,6 +14,7 @@ class Sample:
     files: Mapping[str, Path]  # name -> file; the first one is uploaded, or all as an archive
     archive: str = ""  # the name of the archive that is uploaded
     role: str = "controller"
+    moves_arm: bool = False  # whether it is for benchmarks whose programs move an arm
     name: str = ""  # of a second starter in the same language, for `seamark init --language`
     heading: str = ""  # above its text in the documentation; empty: "Starter in <language>"
     build: str = ""  # the user's command that makes an upload of {source}: {program}

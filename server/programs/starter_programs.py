@@ -3,8 +3,7 @@
 import hashlib
 from functools import lru_cache
 
-from seamark.sandbox.languages import starters
-from seamark.sandbox.languages.language import ALL_ROLES
+from seamark.sandbox.languages import LANGUAGES
 
 
 def is_untouched(sha256: str | None) -> bool:
@@ -18,6 +17,6 @@ def _hashes() -> frozenset[str]:
 
     The editor of the form may have dropped the end of the last line.
     """
-    uploads = [starter.upload() for role in ALL_ROLES for starter in starters(role).values()]
+    uploads = [starter.upload() for each in LANGUAGES.values() for starter in each.starters]
     texts = {kept for upload in uploads for kept in (upload, upload.rstrip())}
     return frozenset(hashlib.sha256(text).hexdigest() for text in texts)

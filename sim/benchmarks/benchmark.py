@@ -139,6 +139,7 @@ class Benchmark:
     summary: str
     participants: str  # in the plural, such as "trackers"
     role: str  # of uploaded programs: "controller" or "tracker"
+    moves_arm: bool = False  # whether its programs move an arm: they start from other ones
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
     # name -> label of built-in solutions that only baselines may use: marks such as an oracle
     reference_built_in: Mapping[str, str] = field(default_factory=dict)

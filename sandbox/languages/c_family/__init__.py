@@ -57,6 +57,16 @@ C = Language(
             name="embedded-c",
             heading="Starter for Embedded Coder",
         ),
+        Sample(
+            files={"controller.c": HERE / "starter/arm_controller.c", HEADER.name: HEADER},
+            moves_arm=True,
+        ),
+        Sample(
+            files={"controller.c": HERE / "starter/arm_embedded_coder.c"},
+            moves_arm=True,
+            name="embedded-c",
+            heading="Starter for Embedded Coder",
+        ),
         sample(HERE / "starter/tracker.c", HEADER, role=TRACKER),
     ),
     conformance=(
@@ -85,6 +95,10 @@ CPP = Language(
     self_test=sample(HERE / "self_test.cpp"),
     starters=(
         sample(HERE / "starter/controller.cpp", HEADER),
+        Sample(
+            files={"controller.cpp": HERE / "starter/arm_controller.cpp", HEADER.name: HEADER},
+            moves_arm=True,
+        ),
         sample(HERE / "starter/tracker.cpp", HEADER, role=TRACKER),
     ),
     conformance=(

@@ -9,6 +9,7 @@ from seamark.sandbox.languages.sample import Sample
 
 HERE = Path(__file__).parent
 ELF_HEADER = struct.Struct("<4sBBBB8xHH")  # its beginning (System V ABI, "ELF Header")
+BUILD = "gcc -O2 -static {source} -o {program}"
 MAGIC, BITS_64, LITTLE_ENDIAN, EXECUTABLE_TYPES, X86_64 = b"\x7fELF", 2, 1, (2, 3), 62
 MACHINES = {3: "32-bit x86", 40: "32-bit ARM", 183: "64-bit ARM", 243: "RISC-V", X86_64: "x86-64"}
 
@@ -41,7 +42,13 @@ EXECUTABLE = Language(
     starters=(
         Sample(
             files={"controller.c": HERE / "starter/controller.c"},
-            build="gcc -O2 -static {source} -o {program}",
+            build=BUILD,
+            heading="An executable in C",
+        ),
+        Sample(
+            files={"controller.c": HERE / "starter/arm_controller.c"},
+            moves_arm=True,
+            build=BUILD,
             heading="An executable in C",
         ),
     ),

@@ -41,9 +41,7 @@ def runtime() -> Runtime:
     return script_runtime(HERE / "inside", "runner", environment=ENVIRONMENT)
 
 
-def _fmu(
-    name: str, folder: str, description: str, source: str, extra: str = "", heading: str = ""
-) -> Sample:
+def _fmu(name: str, folder: str, description: str, source: str, extra: str = "") -> Sample:
     """Return an FMU of C sources, with a mapping of its names if there is one."""
     files = {
         "modelDescription.xml": HERE / folder / description,
@@ -51,7 +49,21 @@ def _fmu(
     }
     if extra:
         files["extra/seamark.json"] = HERE / folder / extra
-    return Sample(files=files, archive=name, heading=heading)
+    return Sample(files=files, archive=name)
+
+
+def _starter(prefix: str = "") -> Sample:
+    """Return the starter; the one that moves an arm has a prefix."""
+    return Sample(
+        files={
+            "modelDescription.xml": HERE / f"starter/{prefix}modelDescription.xml",
+            "sources/controller.c": HERE / f"starter/{prefix}controller.c",
+            "sources/fmi2.h": HERE / "starter/fmi2.h",
+        },
+        archive="controller.fmu",
+        moves_arm=bool(prefix),
+        heading="Model description of the FMU starter",
+    )
 
 
 FMU = Language(
@@ -64,15 +76,7 @@ FMU = Language(
         "The FMU (loading and instantiation)", "the FMU's initialization", "the FMU's step"
     ),
     self_test=_fmu("self_test.fmu", "self_test", "modelDescription.xml", "model.c"),
-    starters=(
-        _fmu(
-            "controller.fmu",
-            "starter",
-            "modelDescription.xml",
-            "controller.c",
-            heading="Model description of the FMU starter",
-        ),
-    ),
+    starters=(_starter(), _starter("arm_")),
     conformance=(
         _fmu("fmi2.fmu", "conformance", "fmi2.xml", "fmi2.c", "fmi2.json"),
         _fmu("fmi3.fmu", "conformance", "fmi3.xml", "fmi3.c"),

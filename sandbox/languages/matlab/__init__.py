@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
-from seamark.sandbox.languages.sample import sample
+from seamark.sandbox.languages.sample import Sample, sample
 from seamark.sandbox.runtime import Runtime
 
 HERE = Path(__file__).parent
@@ -27,6 +27,7 @@ MATLAB = Language(
     self_test=sample(HERE / "self_test.m"),
     starters=(
         sample(HERE / "starter/controller.m"),
+        Sample(files={"controller.m": HERE / "starter/arm_controller.m"}, moves_arm=True),
         sample(HERE / "starter/tracker.m", role=TRACKER),
     ),
     conformance=(

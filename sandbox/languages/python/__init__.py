@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
-from seamark.sandbox.languages.sample import sample
+from seamark.sandbox.languages.sample import Sample, sample
 from seamark.sandbox.runtime import Runtime
 
 HERE = Path(__file__).parent
@@ -25,6 +25,7 @@ PYTHON = Language(
     self_test=sample(HERE / "self_test.py"),
     starters=(
         sample(HERE / "starter/controller.py"),
+        Sample(files={"controller.py": HERE / "starter/arm_controller.py"}, moves_arm=True),
         sample(HERE / "starter/tracker.py", role=TRACKER),
     ),
     conformance=(

@@ -149,17 +149,19 @@ def _languages() -> dict[str, Any]:
 
 
 def _starter_texts() -> Iterator[tuple[str, str, str]]:
-    """Iterate over heading, text and syntax of the starters, but that of the default language.
+    """Iterate over heading, text and syntax of the starters, but the first one.
 
     That one is on the page about controllers. A companion that several starters have comes once.
     """
     shown = {}
+    first = LANGUAGES[DEFAULT_LANGUAGE].starter(CONTROLLER)
     for language in LANGUAGES.values():
         for starter in language.starters:
-            if starter.role != CONTROLLER or language.name == DEFAULT_LANGUAGE:
+            if starter.role != CONTROLLER or starter is first:
                 continue
             heading = starter.heading or f"Starter in {language.short_label}"
-            yield heading, starter.text(), language.syntax
+            arm = " that moves an arm" if starter.moves_arm else ""
+            yield heading + arm, starter.text(), language.syntax
             for name, path in starter.companions.items():
                 shown[name] = f"The file {name}", path.read_text("utf-8"), language.syntax
     yield from shown.values()

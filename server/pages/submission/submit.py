@@ -166,7 +166,8 @@ def _show(
     assignment = prefill.assignment_of(posted.get("assignment", ""))
     fixed = {} if assignment is None else assignment.fixed()
     values = {**prefilled.values, **fixed}
-    schema, starters = benchmark.schema(), editor_starters(benchmark.role)
+    schema = benchmark.schema()
+    starters = editor_starters(benchmark.role, moves_arm=benchmark.moves_arm)
     fields = {*schema["properties"], "program", "seed", "trials", "sweep"}
     given = {**values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)

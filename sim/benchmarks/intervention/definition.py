@@ -62,6 +62,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         question=question,
         participants="programs",
         role="controller",
+        moves_arm=True,
         built_in=built_in,
         reference_built_in=reference_built_in,
         experiment=f"seamark.sim.benchmarks.{name.replace('-', '_')}.experiment:EXPERIMENT",

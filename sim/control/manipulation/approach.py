@@ -10,14 +10,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.arm_reading import data_of, mount_of
 from seamark.sim.control.manipulation.kinematics import (
     ArmKinematics,
     Matrix,
-    Vector,
     applied,
     column,
     cross,
+    damped,
     dot,
+    length,
     minus,
     plus,
     product,
@@ -58,7 +61,7 @@ class Approach(ABC):
 
     def __init__(self, config: Mapping[str, Any]) -> None:
         vehicle, arm = load(config["vehicle"]), load_linkage(config["arm"])
-        self.kinematics = ArmKinematics(vehicle, arm)
+        self.kinematics = ArmKinematics(data_of(arm), mount_of(vehicle, arm.name))
         self.camera = Pinhole(
             focal_px=config["camera_focal_px"],
             centre_px=(
@@ -321,34 +324,6 @@ class ArmCompensates(Approach):
         return False
 
 
-def damped(ways: list[Vector], wanted: Vector, damping: float) -> list[float]:
-    """Return speeds of joints that give about a velocity: damped least squares (Nakamura 1986)."""
-    count = len(ways)
-    gram = [
-        [dot(ways[i], ways[j]) + (damping * damping if i == j else 0.0) for j in range(count)]
-        for i in range(count)
-    ]
-    return solved(gram, [dot(way, wanted) for way in ways])
-
-
-def solved(matrix: list[list[float]], right: list[float]) -> list[float]:
-    """Return the solution of a symmetric positive definite system (Cholesky)."""
-    n = len(right)
-    lower = [[0.0] * n for _ in range(n)]
-    for i in range(n):
-        for j in range(i + 1):
-            rest = matrix[i][j] - sum(lower[i][k] * lower[j][k] for k in range(j))
-            lower[i][j] = math.sqrt(rest) if i == j else rest / lower[j][j]
-    forward: list[float] = []
-    for i in range(n):
-        forward.append((right[i] - sum(lower[i][k] * forward[k] for k in range(i))) / lower[i][i])
-    back = [0.0] * n
-    for i in range(n - 1, -1, -1):
-        above = sum(lower[k][i] * back[k] for k in range(i + 1, n))
-        back[i] = (forward[i] - above) / lower[i][i]
-    return back
-
-
 def turned(v: Vector, yaw: float) -> tuple[float, float]:
     """Return the level part of a vector, turned by an angle."""
     sine, cosine = sincos(yaw)
@@ -357,8 +332,8 @@ def turned(v: Vector, yaw: float) -> tuple[float, float]:
 
 def limited(v: Vector, most: float) -> Vector:
     """Return a vector that is no longer than this."""
-    length = math.sqrt(dot(v, v))
-    return v if length <= most else times(v, most / length)
+    long = length(v)
+    return v if long <= most else times(v, most / long)
 
 
 def clipped(value: float, most: float) -> float:

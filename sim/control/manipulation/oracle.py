@@ -7,7 +7,8 @@ from typing import Any
 
 from seamark.sim.control.manipulation import recover, valve
 from seamark.sim.control.manipulation.approach import FALL, WORK, Approach, clipped, turned
-from seamark.sim.control.manipulation.kinematics import Matrix, Vector, applied, rotation
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotation
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import atan2

@@ -13,7 +13,7 @@ from seamark.sim.control.manipulation.approach import (
     OneLook,
     clipped,
 )
-from seamark.sim.control.manipulation.kinematics import Vector
+from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import PI
 

@@ -3,7 +3,8 @@
 import math
 from typing import NamedTuple
 
-from seamark.sim.control.manipulation.kinematics import Matrix, Vector, applied, plus
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.kinematics import Matrix, applied, plus
 from seamark.sim.numerics.libm import atan2
 
 Corners = list[float]  # (8,) [px] x0 y0 to x3 y3

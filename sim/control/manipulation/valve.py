@@ -19,9 +19,9 @@ from seamark.sim.control.manipulation.approach import (
     clipped,
     turned,
 )
+from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import (
     Matrix,
-    Vector,
     applied,
     minus,
     plus,

@@ -15,6 +15,7 @@ from seamark.cli.commands.user import ROLES
 from seamark.cli.configuration import read_settings, typed
 from seamark.cli.local_service import settings_of
 from seamark.cli.main import COMMANDS, cli
+from seamark.programs.arm_helpers import helper
 from seamark.sandbox.languages import starters
 from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.accounts import AccountRejected
@@ -371,6 +372,24 @@ def test_init_writes_a_controller_but_overwrites_none(language: str) -> None:
     assert (first.exit_code, second.exit_code) == (0, 2)
     assert written == starter
     assert main.read_text() == "my own"
+
+
+@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1"])
+@pytest.mark.parametrize("language", starters(moves_arm=True))
+def test_init_writes_a_program_that_moves_an_arm_and_its_kinematics(
+    language: str, benchmark: str
+) -> None:
+    wanted = starters(moves_arm=True)[language].contents() | helper(language)
+
+    answer = seamark("init", "--language", language, "--benchmark", benchmark, "mine")
+
+    assert answer.exit_code == 0
+    assert {name: Path("mine", name).read_bytes() for name in wanted} == wanted
+    assert f"seamark run {benchmark} --controller" in answer.output
+
+
+def test_every_language_with_a_controller_to_start_from_has_one_that_moves_an_arm() -> None:
+    assert [*starters(moves_arm=True)] == [*starters()]
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """One law in every language: the same trajectory, bit for bit."""
 
 import io
-import subprocess
 import zipfile
 from contextlib import closing
 from functools import cache
@@ -25,6 +24,7 @@ from seamark.worker.evaluation.local import Controller, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
 from tests.sandbox import host_compiler
 from tests.worker.conftest import SHORT
+from tests.worker.evaluation.languages import built
 
 pytestmark = pytest.mark.host
 
@@ -134,14 +134,7 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
 
 @pytest.mark.parametrize("language", starters())
 def test_the_starter_of_every_language_is_the_built_in_pi(language, isolation, tmp_path) -> None:
-    starter = starters()[language]
-    name, source = starter.upload_name, starter.upload()
-    if starter.build:
-        (tmp_path / name).write_bytes(source)
-        target = tmp_path / "controller.elf"
-        command = starter.build.format(source=tmp_path / name, program=target)
-        subprocess.run(command.split(), check=True)
-        name, source = target.name, target.read_bytes()
+    source, name = built(starters()[language], tmp_path)
     skip_without(name, isolation)
 
     for heave in (False, True):

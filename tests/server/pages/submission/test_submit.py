@@ -2,13 +2,16 @@
 
 import io
 import re
+from html import unescape
 
 import pytest
 
-from seamark.sandbox.languages import kinds
+from seamark.sandbox.languages import editor_starters, kinds
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
+ARM_STARTERS = editor_starters("controller", moves_arm=True).values()
+OTHER_STARTERS = editor_starters("controller").values()
 PROGRAM = """
 class Controller:
     def __init__(self, config): ...
@@ -167,6 +170,16 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
         f'<template data-program-template="{language}" data-file="{name}" '
         in browser.get(FORM).text
     )
+
+
+@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1"])
+def test_the_editor_starts_with_a_program_that_moves_the_arm_where_there_is_one(
+    site: Site, benchmark: str
+) -> None:
+    page = unescape(site.browser("ann").get(f"/submit/{benchmark}").text)
+
+    assert all(starter.text() in page for starter in ARM_STARTERS)
+    assert not any(starter.text() in page for starter in OTHER_STARTERS)
 
 
 def test_an_unknown_language_is_refused(site: Site) -> None:

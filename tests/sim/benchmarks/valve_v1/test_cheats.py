@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from seamark.sim.benchmarks.valve_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.valve_v1.settings import ValveConfiguration
 from seamark.sim.control.manipulation.approach import clipped
-from seamark.sim.control.manipulation.kinematics import Vector, plus
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.kinematics import plus
 from seamark.sim.control.manipulation.valve import Blind, Scripted
 from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command

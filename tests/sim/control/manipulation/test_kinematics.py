@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from seamark.sim.control.manipulation.arm_reading import data_of, mount_of
 from seamark.sim.control.manipulation.kinematics import ArmKinematics, applied, rotation
 from seamark.sim.multibody.assembly import Mounting, assemble
 from seamark.sim.multibody.posture import Posture
@@ -26,7 +27,7 @@ def poses(kinematics: ArmKinematics) -> list[list[float]]:
 @pytest.mark.parametrize(("name", "arm"), CARRIED)
 def test_the_tool_is_where_the_simulated_mechanism_has_it(name: str, arm: str) -> None:
     vehicle, linkage = load(name), load_linkage(arm)
-    kinematics = ArmKinematics(vehicle, linkage)
+    kinematics = ArmKinematics(data_of(linkage), mount_of(vehicle, arm))
     mounting = Mounting(linkage=linkage, place=vehicle.mounts[arm], on_vehicle=True)
     assembly = assemble(vehicle, [mounting], bottom=False)
     posture = Posture(assembly)
@@ -44,7 +45,7 @@ def test_the_tool_is_where_the_simulated_mechanism_has_it(name: str, arm: str) -
 
 @pytest.mark.parametrize(("name", "arm"), CARRIED)
 def test_the_jacobian_is_the_derivative_of_the_tools_place(name: str, arm: str) -> None:
-    kinematics = ArmKinematics(load(name), load_linkage(arm))
+    kinematics = ArmKinematics(data_of(load_linkage(arm)), mount_of(load(name), arm))
 
     for joints in poses(kinematics):
         tool, columns = kinematics.jacobian(joints)
@@ -63,7 +64,7 @@ def test_an_arm_without_a_tool_is_refused() -> None:
     peg = load_linkage("peg")
 
     with pytest.raises(ValueError, match="peg has no tool"):
-        ArmKinematics(load("girona500"), peg)
+        data_of(peg)
 
 
 def test_attitudes_turn_first_by_roll_then_by_pitch_then_by_yaw() -> None:
