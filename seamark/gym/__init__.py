@@ -15,12 +15,15 @@ _ENTRY_POINTS = {  # role of what takes part -> single and vectorised environmen
     ),
     "tracker": ("seamark.gym.visual_tracking:VisualTrackingEnv", None),
 }
+_INTERVENTIONS = ("seamark.gym.intervention:InterventionEnv", None)
 
 
 def _register() -> None:
     """Register the environments; loads neither Numba nor OpenCV."""
     for gym_id, name in BENCHMARKS.items():
-        single, vectorised = _ENTRY_POINTS[registry.benchmark(name).role]
+        benchmark = registry.benchmark(name)
+        points = _INTERVENTIONS if benchmark.moves_arm else _ENTRY_POINTS[benchmark.role]
+        single, vectorised = points
         gymnasium.register(
             gym_id,
             entry_point=single,

@@ -11,7 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
-from seamark.gym.station_keeping import REFERENCE, TRUE_COLUMNS
+from seamark.gym.vehicle import REFERENCE, TRUE_COLUMNS
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.tracker_in_loop import draw_start_error

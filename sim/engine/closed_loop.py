@@ -103,7 +103,7 @@ class ClosedLoop:
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""
-        width = self._width()
+        width = self.width()
         recorder = Recorder(on_rows, width=width)
         try:
             for step in range(self._steps):
@@ -114,7 +114,8 @@ class ClosedLoop:
         finally:
             recorder.flush()
 
-    def _width(self) -> int:
+    def width(self) -> int:
+        """Return how many columns its rows have."""
         arm = self._world.arm
         work = arm is not None and len(arm.plant.work) > 0
         return width_for(self._thrusters, arm=arm is not None, work=work)

@@ -316,7 +316,7 @@ def _arm(config: ExperimentSettings, moved: _Moved, random: Streams) -> Arm | No
     efforts = [link.joint.effort for link in linkage.links]
     sensors = ArmSensors(
         random.arm,
-        readings=config.control_steps_per_level,
+        readings=config.control_steps_per_level + 1,  # the state in which the level ends, too
         efforts=np.array([effort.scalar for effort in efforts if effort]),
         scale=config.arm_noise,
         encoder_bias=np.array(conditions.encoder_bias),

@@ -5,6 +5,9 @@ A stage counts only after those before it. Nothing that a program says is part o
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX, Rows
@@ -59,18 +62,18 @@ def first_run(holds: Flags, steps: int, start: int = 0) -> int | None:
     start : int
         Steps before it do not count.
     """
-    count = 0
-    for at in range(start, len(holds)):
-        count = count + 1 if holds[at] else 0
-        if count >= steps:
-            return at
-    return None
+    enough = _lasting(holds[start:]) >= steps
+    at = int(enough.argmax()) if len(enough) else 0
+    return start + at if len(enough) and enough[at] else None
 
 
 def longest_run(holds: Flags, start: int = 0) -> int:
     """Return for how many steps in a row something has held at most, from `start` on."""
-    longest = count = 0
-    for held in holds[start:]:
-        count = count + 1 if held else 0
-        longest = max(longest, count)
-    return longest
+    return int(_lasting(holds[start:]).max(initial=0))
+
+
+def _lasting(holds: Flags) -> NDArray[np.intp]:
+    """Return for each step for how many in a row something has held by then, (k,)."""
+    numbers = np.arange(1, len(holds) + 1)
+    since: NDArray[np.intp] = np.maximum.accumulate(np.where(holds, 0, numbers))
+    return numbers - since

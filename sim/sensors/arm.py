@@ -34,7 +34,7 @@ class ArmSensors:
         Parameters
         ----------
         readings : int
-            Number of control steps.
+            Greatest number of readings.
         efforts : (a,) [N m or N]
             Greatest effort of each motor.
         scale : float

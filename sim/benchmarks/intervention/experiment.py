@@ -9,8 +9,8 @@ from typing import Any, Generic, TypeVar
 from seamark.sim.benchmarks.in_current import InCurrent
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
+from seamark.sim.metrics.attempts import StagedAttempt
 from seamark.sim.metrics.metric import LevelMetric, compute_all, over_run
-from seamark.sim.metrics.stages import Attempt
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import area, mean
 from seamark.sim.recording.telemetry import ARM_JOINTS, Rows
@@ -41,7 +41,7 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
         self._metrics = metrics
 
     @abstractmethod
-    def attempt(self, config: Settings, rows: Rows) -> Attempt:
+    def attempt(self, config: Settings, rows: Rows) -> StagedAttempt:
         """Return the rows of a level for its metrics."""
 
     @abstractmethod

@@ -46,6 +46,17 @@ def test_observations_have_the_arm_by_name_and_actions_its_joints_within_their_l
         assert env.action_space.high[4:] == pytest.approx(0.5)
 
 
+def test_a_level_with_an_arm_goes_to_its_end() -> None:
+    with make() as env:
+        env.reset(seed=SEED)
+        over = False
+        while not over:
+            observation, _reward, terminated, over, _info = env.step(np.zeros(9))
+
+    assert not terminated
+    assert named(observation, arm="alpha-like").t == pytest.approx(SHORT["level_duration_s"])
+
+
 def test_thrusters_and_joints_can_be_commanded_together() -> None:
     with make(action="thrusters", normalise_actions=True) as env:
         env.reset(seed=SEED)

@@ -1,0 +1,132 @@
+"""The environments of benchmarks whose programs move an arm."""
+
+import warnings
+from pkgutil import resolve_name
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from seamark.gym import BENCHMARKS
+from seamark.gym.intervention import APPROACH_1_M, REWARDS
+from seamark.gym.spaces import named
+from seamark.sim import registry
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording.telemetry import ARM_INDEX, ARM_JOINTS, INDEX, STEP_US
+
+INTERVENTIONS = {
+    gym_id: name for gym_id, name in BENCHMARKS.items() if registry.benchmark(name).moves_arm
+}
+SHORT = {"levels": [0.1, 0.2], "level_duration_s": 2.0, "tracker": "truth"}
+WHOLE = {"levels": [0.0], "level_duration_s": 60.0, "tracker": "truth"}
+OF_THE_NEXT_ACTION = [
+    STEP_US,
+    *range(INDEX["ref_u"], INDEX["ref_r"] + 1),
+    *range(ARM_INDEX["joint_ref_0"], ARM_INDEX["joint_ref_0"] + ARM_JOINTS),
+]
+Env = gymnasium.Env[Any, Any]
+
+
+def env_of(gym_id: str, **options: Any) -> Env:
+    return gymnasium.make(gym_id, **options).unwrapped
+
+
+def controller_of(gym_id: str, config: Any, trial: int) -> Any:
+    """Return the built-in controller of a benchmark, at the start of a level."""
+    task = registry.benchmark(INTERVENTIONS[gym_id]).load().task  # type: ignore[attr-defined]
+    made = resolve_name(registry.controller_path("resolved-rate", task))
+    controller = made(config.for_trial(trial).for_program())
+    controller.reset({"dt": config.control_period_s})
+    return controller
+
+
+def steps(env: Env, gym_id: str, settings: dict[str, object], seed: int | None) -> Any:
+    """Yield the row before, and what came of each step of an episode with that controller."""
+    config: Any = registry.benchmark(INTERVENTIONS[gym_id]).read(settings)
+    observation, info = env.reset(seed=seed)
+    controller, over = controller_of(gym_id, config, info["trial"]), False
+    while not over:
+        row = env.telemetry  # type: ignore[attr-defined]
+        action = np.array(controller.step(named(observation, arm=config.arm)))
+        before = info
+        observation, reward, _terminated, over, info = env.step(action)
+        yield row, before, reward, info
+
+
+@pytest.mark.parametrize("reward", REWARDS)
+@pytest.mark.parametrize("gym_id", INTERVENTIONS)
+def test_the_environment_passes_gymnasiums_checker(gym_id: str, reward: str) -> None:
+    env = env_of(gym_id, settings=SHORT, reward=reward, render_mode="rgb_array")
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*infinity")  # a position has no bound
+        warnings.filterwarnings("ignore", message=".*symmetric and normalized")  # SI units
+        check_env(env)
+
+
+@pytest.mark.parametrize("gym_id", INTERVENTIONS)
+def test_the_episodes_of_a_seed_are_the_run_with_that_seed(gym_id: str) -> None:
+    entry = registry.benchmark(INTERVENTIONS[gym_id])
+    config: Any = entry.read(SHORT)
+    rows: list[Any] = []
+    for trial in range(2):
+        solution = entry.load().built_in("resolved-rate", config)
+        run_trial(entry.name, config, solution, seed=5, trial=trial, on_rows=rows.append)
+    expected = {(row[0], row[2]): row.copy() for part in rows for row in part}
+    env, compared = env_of(gym_id, settings=SHORT), 0
+
+    for episode in range(4):
+        for row, *_ in steps(env, gym_id, SHORT, None if episode else 5):
+            reference = expected[row[0], row[2]]
+            reference[OF_THE_NEXT_ACTION] = 0.0
+            np.testing.assert_array_equal(row, reference)
+            compared += 1
+
+    assert compared == len(expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gym_id", INTERVENTIONS)
+def test_the_sparse_rewards_of_a_level_add_up_to_its_credit(gym_id: str) -> None:
+    entry = registry.benchmark(INTERVENTIONS[gym_id])
+    config: Any = entry.read(WHOLE)
+    solution = entry.load().built_in("resolved-rate", config)
+    run = run_trial(entry.name, config, solution, seed=5, trial=0, on_rows=lambda _: None)
+    credit = run.levels[0]["credit"]
+
+    taken = [*steps(env_of(gym_id, settings=WHOLE, reward="sparse"), gym_id, WHOLE, 5)]
+
+    rewards, (*_, last) = [reward for _, _, reward, _ in taken], taken[-1]
+    assert credit > 0.2
+    assert sum(rewards) == pytest.approx(credit, abs=1e-12)
+    assert last["credit"] == credit
+    assert rewards.count(0.0) > 0.8 * len(rewards)
+    assert last["stages"] >= 3
+
+
+@pytest.mark.parametrize("gym_id", INTERVENTIONS)
+def test_the_dense_reward_is_the_credit_gained_and_the_way_of_the_tool_to_the_grip(
+    gym_id: str,
+) -> None:
+    for _, before, reward, after in steps(env_of(gym_id, settings=SHORT), gym_id, SHORT, 5):
+        gained = after["credit"] - before["credit"]
+        closer = before["reach"] - after["reach"]
+
+        assert closer != 0.0
+        assert reward == pytest.approx(gained + APPROACH_1_M * closer, abs=1e-12)
+
+
+def test_the_true_work_and_tool_are_in_the_info() -> None:
+    _, info = env_of("seamark/Recover-v1", settings=SHORT).reset(seed=5)
+    grip = info["workpiece"][:3] + np.array([0.0, 0.0, -0.17])
+    off = grip - info["tool"][:3]
+
+    assert info["reach"] == pytest.approx(np.linalg.norm(off))
+    assert (info["credit"], info["stages"]) == (0.0, 0)
+
+
+def test_an_unknown_reward_is_refused() -> None:
+    with pytest.raises(ValueError, match="reward must be one of sparse, dense, not 'mean'"):
+        env_of("seamark/Recover-v1", settings=SHORT, reward="mean")
