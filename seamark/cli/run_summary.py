@@ -11,6 +11,7 @@ from seamark.sandbox.printable_text import printable_text
 COLUMNS = (
     *("level", "speed", "rmse_m", "p95_m", "rmse_px", "mean_x_px", "mean_y_px"),
     *("settling_s", "lost_percent", "points"),
+    *("credit", "turned_deg", "time_s", "push_n", "hull_n"),
     *("value", "optical_depth", "p5_percent", "p1_percent", "corner_px", "not_admitted_percent"),
 )
 

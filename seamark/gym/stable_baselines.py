@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 import seamark.gym  # noqa: F401  # registers the environments
@@ -28,8 +29,22 @@ Indices = int | Iterable[int] | None
 _SHARED = "the vehicles are rows of arrays, so they have no {what} of their own"
 
 
+def _many(name: str, num_envs: int, **options: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    """Return the vector environment; where there is none, one with a process for each vehicle."""
+    mode = AutoresetMode.SAME_STEP
+    if gymnasium.spec(name).vector_entry_point is not None:
+        return gymnasium.make_vec(name, num_envs=num_envs, autoreset_mode=mode, **options)
+    return gymnasium.make_vec(
+        name,
+        num_envs=num_envs,
+        vectorization_mode="async",
+        vector_kwargs={"autoreset_mode": mode},
+        **options,
+    )
+
+
 class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3 it is a plain class
-    """Vehicles of station keeping, in float32 and with actions from -1 to 1.
+    """Vehicles, in float32 and with actions from -1 to 1.
 
         model = PPO("MlpPolicy", SeamarkVecEnv("seamark/StationKeeping-v2", num_envs=64))
 
@@ -51,7 +66,8 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
         Parameters
         ----------
         name
-            Of an environment of station keeping.
+            Of an environment of station keeping, or of one with an arm: then each vehicle has a
+            process.
         settings
             Of the benchmark; `{"tracker": "truth"}` renders no images.
         seed
@@ -60,9 +76,7 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
             Further parameters of the environment, such as `threads`, or another `dtype`.
         """
         chosen: dict[str, Any] = {"dtype": np.float32, "normalise_actions": True} | options
-        self._env: Any = gymnasium.make_vec(
-            name, num_envs=num_envs, settings=settings, autoreset_mode="SameStep", **chosen
-        )
+        self._env: Any = _many(name, num_envs, settings=settings, **chosen)
         self._actions: Array = np.zeros(0)  # until the first step
         self.num_envs, self.render_mode = num_envs, None
         self.observation_space = self._env.single_observation_space

@@ -20,6 +20,7 @@ ERRORS = {
     "controller": ("distance", "Distance from the station", "m"),
     "tracker": ("tracker_error", "Error of the tracker", "px"),
 }
+ERROR_OF_ARM = ("reach", "Distance of the tool from the grip", "m")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,8 @@ def _finite(values: Numbers) -> list[float | None]:
 
 def _error(results: Sequence[Result], trial: int, points: int) -> Chart:
     """Return the error over time; of each stretch of time the largest, so that no peak is lost."""
-    column, title, unit = ERRORS[registry.benchmark(results[0].benchmark).role]
+    benchmark = registry.benchmark(results[0].benchmark)
+    column, title, unit = ERROR_OF_ARM if benchmark.moves_arm else ERRORS[benchmark.role]
     lines = []
     for result in results:
         rows = result.trial(trial)

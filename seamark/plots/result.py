@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ COLUMNS = (  # of the telemetry, that plots need
     *("trial", "level", "t", "x", "y", "current_x", "current_y", "current_z"),
     *("tracker_error", "distance"),
 )
+WORK_COLUMNS = ("reach",)  # likewise, of a run in which an arm works on something
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,22 +71,23 @@ def of_folder(folder: Path, *, telemetry: bool) -> Result:
 def _read_telemetry(path: Path) -> NDArray[np.void]:
     with path.open(encoding="utf-8") as file:
         names = next((line for line in file if not line.startswith("#")), "").strip().split(",")
-        columns = [names.index(name) for name in COLUMNS]
+        wanted = [*COLUMNS, *(name for name in WORK_COLUMNS if name in names)]
+        columns = [names.index(name) for name in wanted]
         lines = file.readlines()
     if not lines:
         raise ValueError("telemetry.csv has no rows")
     numbers = np.loadtxt(lines, delimiter=",", usecols=columns, ndmin=2)
-    rows = _empty(len(numbers))
-    for at, name in enumerate(COLUMNS):
+    rows = _empty(len(numbers), wanted)
+    for at, name in enumerate(wanted):
         rows[name] = numbers[:, at]
     return rows
 
 
 def no_rows() -> NDArray[np.void]:
     """Return the telemetry of a result of which it is not needed."""
-    return _empty(0)
+    return _empty(0, COLUMNS)
 
 
-def _empty(count: int) -> NDArray[np.void]:
+def _empty(count: int, columns: Sequence[str]) -> NDArray[np.void]:
     """Return rows to be filled."""
-    return np.empty(count, dtype=[(name, "<f8") for name in COLUMNS])
+    return np.empty(count, dtype=[(name, "<f8") for name in columns])

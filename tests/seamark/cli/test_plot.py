@@ -47,6 +47,17 @@ def test_the_document_has_the_numbers_of_the_telemetry(results: Path) -> None:
     assert levels["lines"][0]["y"] == [level["rmse_m"] for level in metrics["levels"]]
 
 
+def test_a_run_with_an_arm_is_drawn_by_how_far_its_tool_is_from_the_grip(tmp_path: Path) -> None:
+    settings = ("--set", "levels=0.1", "--set", "level_duration_s=2")
+    seamark("run", "recover-v1", "--controller", "nothing", *settings, "--out", str(tmp_path / "r"))
+
+    answer = seamark("plot", str(tmp_path / "r"), "--only", "error", "--json")
+
+    [error] = json.loads(answer.output)["charts"]
+    assert error["title"] == "Distance of the tool from the grip [m]"
+    assert 1.0 < min(error["lines"][0]["y"]) < max(error["lines"][0]["y"]) < 3.0
+
+
 @pytest.mark.slow
 def test_a_picture_is_written_without_a_window(results: Path, tmp_path: Path) -> None:
     answer = seamark(

@@ -27,3 +27,20 @@ def test_a_run_that_does_not_rank_says_why() -> None:
 
 def test_a_run_without_parts_shows_its_score_alone() -> None:
     assert summary(RUN) == "Score 0.5"
+
+
+def test_the_levels_of_an_arm_have_their_credit_and_what_it_cost() -> None:
+    level = {
+        "level": 0,
+        "speed": 0.1,
+        "credit": 0.6,
+        "time_s": 90.0,
+        "push_n": 72.99,
+        "hull_n": 0.0,
+    }
+    table = summary(RUN | {"metrics": {"levels": [level]}}).splitlines()[1:]
+
+    assert [line.split() for line in table] == [
+        ["level", "speed", "credit", "time_s", "push_n", "hull_n"],
+        ["0", "0.1", "0.6", "90", "72.99", "0"],
+    ]

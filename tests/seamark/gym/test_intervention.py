@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 from seamark.gym import BENCHMARKS
 from seamark.gym.intervention import APPROACH_1_M, REWARDS
 from seamark.gym.spaces import named
+from seamark.gym.stable_baselines import SeamarkVecEnv
 from seamark.sim import registry
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import ARM_INDEX, ARM_JOINTS, INDEX, STEP_US
@@ -125,6 +126,25 @@ def test_the_true_work_and_tool_are_in_the_info() -> None:
 
     assert info["reach"] == pytest.approx(np.linalg.norm(off))
     assert (info["credit"], info["stages"]) == (0.0, 0)
+
+
+def test_vehicles_for_stable_baselines_are_single_ones_in_processes() -> None:
+    options = {"settings": SHORT, "dtype": np.float32, "normalise_actions": True}
+    many = SeamarkVecEnv("seamark/Recover-v1", num_envs=2, settings=SHORT, seed=7)
+    singles = [env_of("seamark/Recover-v1", **options) for _ in range(2)]
+    first = np.array([env.reset(seed=7 + i)[0] for i, env in enumerate(singles)])
+    np.testing.assert_array_equal(many.reset(), first)
+    actions = np.random.default_rng(1).uniform(-1.0, 1.0, (40, 2, 9)).astype(np.float32)
+
+    for step, pair in enumerate(actions):
+        observations, rewards, over, infos = many.step(pair)
+        for i, env in enumerate(singles):
+            expected, reward, _, truncated, _ = env.step(pair[i])
+            seen = infos[i]["terminal_observation"] if truncated else observations[i]
+            np.testing.assert_array_equal(seen, expected)
+            assert (rewards[i], over[i]) == (np.float32(reward), truncated)
+            assert truncated is (step == len(actions) - 1)
+    many.close()
 
 
 def test_an_unknown_reward_is_refused() -> None:
