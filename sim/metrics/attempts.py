@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.sim.metrics.metric import MAX, SUM, LevelMetric
+from seamark.sim.metrics.metric import MAX, SUM, LevelMetric, MetricGroup
 from seamark.sim.metrics.stages import Attempt, Progress, Stage
 from seamark.sim.recording.telemetry import Rows, thrusts
 
@@ -46,73 +46,79 @@ class StagedAttempt(Attempt):
         return math.fsum((size * np.sqrt(size)).ravel().tolist()) * self.dt
 
 
-def credit_metric(stages: Sequence[Stage], meaning: str) -> LevelMetric[Any]:
-    """Return the credit of an attempt, from which the score is made."""
+def _stage(name: str, label: str, number: int) -> LevelMetric[StagedAttempt]:
     return LevelMetric(
-        name="credit",
-        label="Credit",
-        unit="",
-        better="higher",
-        meaning=meaning,
-        formula="; ".join(f"{stage.label.lower()}: {stage.credit:g}" for stage in stages),
-        compute=lambda attempt: attempt.progress.credit,
-    )
-
-
-def stage_metrics(stages: Sequence[Stage]) -> tuple[LevelMetric[Any], ...]:
-    """Return for each stage whether it was reached."""
-    return tuple(_reached(number, stage) for number, stage in enumerate(stages))
-
-
-def _reached(number: int, stage: Stage) -> LevelMetric[StagedAttempt]:
-    return LevelMetric(
-        name=stage.name,
-        label=stage.label,
+        name=name,
+        label=label,
         unit="",
         better="higher",
         meaning="1 if this stage was reached",
         formula="1 or 0",
-        compute=lambda attempt: float(attempt.progress.reached(number)),
+        compute=lambda attempt: float(attempt.progress.reached(number % len(attempt.stages))),
     )
 
 
-def cost_metrics(work: str) -> tuple[LevelMetric[Any], ...]:
-    """Return what an attempt costs; `work` is what the arm works on, as in "the box"."""
-    return (
-        LevelMetric(
-            name="time_s",
-            label="Time to completion",
-            unit="s",
-            better="lower",
-            meaning="the whole level, if it was not completed",
-            formula="time at which the last stage was reached",
-            compute=lambda attempt: attempt.time_s,
-        ),
-        LevelMetric(
-            name="push_n",
-            label=f"Largest push on {work}",
-            unit="N",
-            better="lower",
-            formula="max work_push_n",
-            compute=lambda attempt: float(attempt.column("work_push_n").max(initial=0.0)),
-            over=MAX,
-        ),
-        LevelMetric(
-            name="hull_n",
-            label="Hardest blow of the hull",
-            unit="N",
-            better="lower",
-            formula="max contact_n",
-            compute=lambda attempt: attempt.hull_peak_n,
-            over=MAX,
-        ),
-        LevelMetric(
-            name="energy_n15_s",
-            label="Energy",
-            unit="N^1.5 s",
-            better="lower",
-            formula="sum |thrust|^1.5 dt",
-            compute=lambda attempt: attempt.energy,
-            over=SUM,
-        ),
+def stage_metrics(stages: Sequence[Stage]) -> tuple[LevelMetric[Any], ...]:
+    """Return for each stage between the touch and the last whether it was reached."""
+    return tuple(
+        _stage(stage.name, stage.label, number)
+        for number, stage in enumerate(stages)
+        if _TOUCHED < number < len(stages) - 1
     )
+
+
+_TOUCHED = 1  # number of the stage
+START: tuple[LevelMetric[Any], ...] = (
+    LevelMetric(
+        name="credit",
+        label="Credit",
+        unit="",
+        better="higher",
+        meaning="of the last stage that was reached, and a part of the next one's for a part of "
+        "the way; half of it after a strike",
+        formula="see the benchmark's stages",
+        compute=lambda attempt: attempt.progress.credit,
+    ),
+    _stage("reached", "Reached the handle", 0),
+    _stage("touched", "Touched it", _TOUCHED),
+)
+END: tuple[LevelMetric[Any], ...] = (
+    _stage("completed", "Completed", -1),
+    LevelMetric(
+        name="time_s",
+        label="Time to completion",
+        unit="s",
+        better="lower",
+        meaning="the whole level, if it was not completed",
+        formula="time at which the last stage was reached",
+        compute=lambda attempt: attempt.time_s,
+    ),
+    LevelMetric(
+        name="push_n",
+        label="Largest push of the arm",
+        unit="N",
+        better="lower",
+        formula="max work_push_n",
+        compute=lambda attempt: float(attempt.column("work_push_n").max(initial=0.0)),
+        over=MAX,
+    ),
+    LevelMetric(
+        name="hull_n",
+        label="Hardest blow of the hull",
+        unit="N",
+        better="lower",
+        formula="max contact_n",
+        compute=lambda attempt: attempt.hull_peak_n,
+        over=MAX,
+    ),
+    LevelMetric(
+        name="energy_n15_s",
+        label="Energy",
+        unit="N^1.5 s",
+        better="lower",
+        formula="sum |thrust|^1.5 dt",
+        compute=lambda attempt: attempt.energy,
+        over=SUM,
+    ),
+)
+GROUP = MetricGroup("Interventions", (*START, *END))

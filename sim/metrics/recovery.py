@@ -5,13 +5,13 @@ vehicle's hull. So a push, a throw and a box on the hull give nothing.
 """
 
 from seamark.sim.metrics.attempts import (
+    END,
     NEAR_S,
     REACH_M,
+    START,
     STRIKE_N,
     STRUCK,
     StagedAttempt,
-    cost_metrics,
-    credit_metric,
     stage_metrics,
 )
 from seamark.sim.metrics.metric import MetricGroup
@@ -79,6 +79,5 @@ def reached(rows: Rows, dt: float) -> tuple[int, ...]:
     return Recovery(rows, dt).progress.steps
 
 
-CREDIT = credit_metric(STAGES, "of the last stage that was reached, half of it after a strike")
-METRICS = (CREDIT, *stage_metrics(STAGES), *cost_metrics("the box"))
-GROUP = MetricGroup("Recovery", METRICS)
+GROUP = MetricGroup("Recovery", stage_metrics(STAGES))
+METRICS = (*START, *GROUP.metrics, *END)

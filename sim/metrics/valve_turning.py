@@ -10,13 +10,13 @@ import math
 import numpy as np
 
 from seamark.sim.metrics.attempts import (
+    END,
     NEAR_S,
     REACH_M,
+    START,
     STRIKE_N,
     STRUCK,
     StagedAttempt,
-    cost_metrics,
-    credit_metric,
     stage_metrics,
 )
 from seamark.sim.metrics.metric import SUM, LevelMetric, MetricGroup
@@ -101,13 +101,7 @@ def reached(rows: Rows, dt: float) -> tuple[int, ...]:
     return Turning(rows, dt).progress.steps
 
 
-CREDIT = credit_metric(
-    STAGES,
-    "of the last stage that was reached, and a part of the next one's for a part of its angle; "
-    "half of it after a strike",
-)
-METRICS: tuple[LevelMetric[Turning], ...] = (
-    CREDIT,
+_OWN: tuple[LevelMetric[Turning], ...] = (
     *stage_metrics(STAGES),
     LevelMetric(
         name="turned_deg",
@@ -129,6 +123,6 @@ METRICS: tuple[LevelMetric[Turning], ...] = (
         compute=lambda attempt: float(attempt.strikes),
         over=SUM,
     ),
-    *cost_metrics("the valve"),
 )
-GROUP = MetricGroup("Valve", METRICS)
+GROUP = MetricGroup("Valve", _OWN)
+METRICS = (*START, *_OWN, *END)

@@ -6,7 +6,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 from typing import Any
 
 from seamark.sim.settings.arm import GROUP as ARM
-from seamark.sim.settings.arm import ArmSettings
+from seamark.sim.settings.arm import ArmSettings, arm_setting
 from seamark.sim.settings.current_levels import CurrentLevels
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.setting import group_of, override
@@ -15,12 +15,14 @@ from seamark.sim.settings.trial_spreads import GROUP as SPREADS
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings, spread_setting
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage import Linkage
+from seamark.sim.vehicles.linkage_reading import load_linkage
 
 HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", SPREADS})
 HIDDEN = frozenset({"levels", "score"})
 ARMED = ArmSettings.model_fields
 # Vehicles that carry an arm with a hand.
 VEHICLES = ("girona500", "bluerov2-heavy", "bluerov2-heavy-v2")
+HANDS = ("arm-5e-like", "alpha-like")  # arms with jaws
 # Body frame: before the arm's base, where the view of the hand is free. E: on a bracket beside it.
 MOUNTS_M = {"girona500": (1.25, -0.35, 0.2)}
 OTHER_MOUNT_M = (0.42, -0.14, 0.05)
@@ -35,7 +37,12 @@ class InterventionSettings(RobustTrackerSettings, ArmSettings, CurrentLevels, Tr
         help="Vehicle that carries the arm.",
         choices={name: load(name).title for name in VEHICLES},
     )
-    arm: str = override(ARMED["arm"], "arm-5e-like")
+    arm: str = arm_setting(
+        "arm-5e-like",
+        title="Arm",
+        help="Arm on the vehicle, whose joints the program moves.",
+        choices={name: load_linkage(name).title for name in HANDS},
+    )
     levels: tuple[float, ...] = experiment_setting(
         (0.0, 0.1, 0.2, 0.3, 0.4, 0.5),
         title="Current levels",

@@ -47,7 +47,10 @@ SHORT: dict[str, dict[str, object]] = {
         "level_duration_s": 1.0,
         "tracker": "truth",
     },
+    "recover-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
+    "valve-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
 }
+ARMS = {"bluerov2-heavy": "alpha-like", "bluerov2-heavy-v2": "alpha-like"}  # where they need one
 FURTHER: dict[str, tuple[str, dict[str, object]]] = {
     "currents-v1-girona500-esm": ("currents-v1", {"vehicle": "girona500", "tracker": "esm"}),
     "visibility-v1-fixed-esm": ("visibility-v1", {"mode": "fixed", "tracker": "esm"}),
@@ -60,8 +63,14 @@ def vehicles_of(name: str) -> list[str]:
     return [choice for choice in choices if choice in VEHICLES]
 
 
+def arm_of(name: str, vehicle: str) -> dict[str, object]:
+    """The arm that a vehicle carries if it is not the benchmark's default."""
+    needed = benchmark(name).read({}).get("arm") and vehicle in ARMS
+    return {"arm": ARMS[vehicle]} if needed else {}
+
+
 CASES = {
-    f"{name}-{vehicle}": (name, short | {"vehicle": vehicle})
+    f"{name}-{vehicle}": (name, short | {"vehicle": vehicle} | arm_of(name, vehicle))
     for name, short in SHORT.items()
     for vehicle in vehicles_of(name)
 } | {case: (name, SHORT[name] | changes) for case, (name, changes) in FURTHER.items()}

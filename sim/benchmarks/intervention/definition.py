@@ -1,6 +1,7 @@
 """An intervention benchmark: everything but its name, settings, metrics and entries."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from seamark.sim.benchmarks.arm_charts import ARM_CHARTS
 from seamark.sim.benchmarks.benchmark import (
@@ -12,7 +13,8 @@ from seamark.sim.benchmarks.benchmark import (
     StartingPoint,
     Table,
 )
-from seamark.sim.metrics.metric import Metric, MetricGroup
+from seamark.sim.metrics import attempts
+from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.stages import HELD
 from seamark.sim.recording.telemetry import thrust_names
 from seamark.sim.settings.intervention import GROUPS, InterventionSettings
@@ -44,6 +46,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     summary: str,
     question: str,
     configuration: type[InterventionSettings],
+    metrics: Sequence[LevelMetric[Any]],
     group: MetricGroup,
     stages: Stages,
     built_in: Mapping[str, str],
@@ -51,10 +54,10 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
 ) -> Benchmark:
     """Return a benchmark of programs that move an arm; its folder has the experiment.
 
-    Each built-in solution is a baseline with its default settings. The first metric of the group
-    is the credit.
+    Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
+    the credit first, and `group` those of them that no other intervention has.
     """
-    credit, *rest = group.metrics
+    credit, *rest = metrics
     return Benchmark(
         name=name,
         title=title,
@@ -70,10 +73,10 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         score_bar_max=max(configuration.model_fields["levels"].default),
         level_held_unit="m/s",
         charts=CHARTS,
-        tables=(Table("Each level", (*group.metrics, HELD)),),
+        tables=(Table("Each level", (*metrics, HELD)),),
         key_metrics=(credit,),
         board_metrics=tuple(metric for metric in rest if metric.unit),
-        metric_groups=(group,),
+        metric_groups=(attempts.GROUP, group),
         stages=stages,
         baselines={
             key: Baseline(label, key) for key, label in {**reference_built_in, **built_in}.items()
