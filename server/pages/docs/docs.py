@@ -20,6 +20,7 @@ from flask import (
 from flask.typing import ResponseReturnValue
 
 from seamark.programs import trial_limits
+from seamark.programs.arm_helpers import helper
 from seamark.programs.failure_reasons import DESCRIPTIONS
 from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.sandbox.languages import (
@@ -151,7 +152,8 @@ def _languages() -> dict[str, Any]:
 def _starter_texts() -> Iterator[tuple[str, str, str]]:
     """Iterate over heading, text and syntax of the starters, but the first one.
 
-    That one is on the page about controllers. A companion that several starters have comes once.
+    That one is on the page about controllers. Files beside them come last, and once: companions,
+    and the kinematics of arms.
     """
     shown = {}
     first = LANGUAGES[DEFAULT_LANGUAGE].starter(CONTROLLER)
@@ -164,6 +166,8 @@ def _starter_texts() -> Iterator[tuple[str, str, str]]:
             yield heading + arm, starter.text(), language.syntax
             for name, path in starter.companions.items():
                 shown[name] = f"The file {name}", path.read_text("utf-8"), language.syntax
+        for name, content in helper(language.name).items():
+            shown[name] = f"The file {name}", content.decode(), language.syntax
     yield from shown.values()
 
 

@@ -6,6 +6,8 @@ from html import unescape
 
 import pytest
 
+from seamark.programs.arm_helpers import helper
+from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.sandbox.limits import MEANING, Limits
 from seamark.sim.recording.telemetry import WORK_COLUMNS
 from tests.server.pages.conftest import Site
@@ -38,3 +40,16 @@ def test_the_page_of_the_telemetry_has_every_column_of_what_an_arm_works_on(site
         for name in names[names.index(first) : names.index(last or first) + 1]
     ]
     assert shown == names
+
+
+def test_the_page_of_languages_shows_each_starter_that_moves_an_arm_and_its_kinematics(
+    site: Site,
+) -> None:
+    page = site.browser().get("/docs/languages").text
+    text = unescape(re.sub(r"<[^>]+>", "", page))
+    starters = [known.text() for known in editor_starters("controller", moves_arm=True).values()]
+    files = [content.decode() for name in LANGUAGES for content in helper(name).values()]
+
+    assert len(starters) == 4
+    assert len(set(files)) == 3
+    assert all(one.strip() in text for one in starters + files)
