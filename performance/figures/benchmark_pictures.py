@@ -1,7 +1,7 @@
 """Redraw the pictures of the benchmark pages: `./run performance benchmark_pictures [FOLDER]`.
 
-Each is what the vehicle's camera sees at a level of the benchmark, a little off the station, with
-the true outline of the target.
+Each is what the vehicle's camera sees at a level of the benchmark, a little off the station or over
+an arm at work, with the true outline of the target.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,9 @@ import numpy as np
 from seamark import templates
 from seamark.sim import registry
 from seamark.sim.camera import start_pose
-from seamark.sim.engine.replay import Replay
+from seamark.sim.engine.replay import CameraFrame, Image, Replay
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording.telemetry import Rows
 
 FOLDER = Path(templates.__file__).parent / "static" / "benchmarks"
 QUALITY = 84
@@ -21,20 +23,37 @@ SEED = 2026
 AMBER = (0, 176, 255)  # blue, green, red
 OFFSET = np.array([0.05, -0.04, 0.0, 0.02, 0.01, 0.15])  # [m, rad] from the station
 DISTANCES_M = {"controller": 2.27, "tracker": 1.27}  # of the camera from the target
+AT_WORK_S = {"recover-v1": 9.0, "valve-v1": 16.0}  # into a level of an arm's benchmark
 LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the first one's water
 
 
-def picture(name: str) -> "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]":
+def picture(name: str) -> Image:
     """Return the picture of a benchmark, (H, W, 3)."""
+    frame = at_work(name, AT_WORK_S[name]) if name in AT_WORK_S else off_station(name)
+    image = frame.colour()
+    corners = np.round(16.0 * frame.corners()).astype(np.int32)
+    cv2.polylines(image, [corners.reshape(4, 2)], True, AMBER, 1, cv2.LINE_AA, 4)
+    return image
+
+
+def off_station(name: str) -> CameraFrame:
+    """Return what the camera sees a little off the station."""
     benchmark = registry.benchmark(name)
     height_m, level = DISTANCES_M[benchmark.role], LEVELS.get(name, 0)
     camera = Replay(name, benchmark.read({}), lambda _trial: SEED).camera(0, level)
     motion = np.zeros(12)
     motion[:6] = start_pose(camera.optics, camera.target, height_m) + OFFSET
-    image = camera.colour(motion, 40)
-    corners = np.round(16.0 * camera.corners(motion)).astype(np.int32)
-    cv2.polylines(image, [corners.reshape(4, 2)], True, AMBER, 1, cv2.LINE_AA, 4)
-    return image
+    return CameraFrame(camera, motion, 40)
+
+
+def at_work(name: str, time_s: float) -> CameraFrame:
+    """Return what the camera sees as the scripted entry works with the arm."""
+    benchmark = registry.benchmark(name)
+    config = benchmark.read({"levels": [0.1], "level_duration_s": time_s})
+    rows: list[Rows] = []
+    solution = benchmark.load().built_in("scripted", config)
+    run_trial(name, config, solution, seed=SEED, trial=0, on_rows=rows.append)
+    return Replay(name, config, lambda _trial: SEED).frame(rows[-1][-1])
 
 
 def main(arguments: Sequence[str]) -> int:

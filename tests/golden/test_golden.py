@@ -15,6 +15,7 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import NAMES, Rows
 from seamark.sim.registry import BENCHMARKS, VEHICLES, benchmark
+from seamark.sim.settings.intervention import InterventionSettings
 from tests.telemetry_csv import read
 
 FOLDER = Path(__file__).parent
@@ -65,8 +66,8 @@ def vehicles_of(name: str) -> list[str]:
 
 def arm_of(name: str, vehicle: str) -> dict[str, object]:
     """The arm that a vehicle carries if it is not the benchmark's default."""
-    needed = benchmark(name).read({}).get("arm") and vehicle in ARMS
-    return {"arm": ARMS[vehicle]} if needed else {}
+    armed = isinstance(benchmark(name).read({}), InterventionSettings)
+    return {"arm": ARMS[vehicle]} if armed and vehicle in ARMS else {}
 
 
 CASES = {
