@@ -1,13 +1,12 @@
 """What every intervention is measured by: credit and stages, time, forces and energy."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from seamark.sim.metrics.metric import MAX, SUM, LevelMetric, MetricGroup
+from seamark.sim.metrics.energy import ENERGY
+from seamark.sim.metrics.metric import MAX, LevelMetric, MetricGroup
 from seamark.sim.metrics.stages import Attempt, Progress, Stage
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import Rows, thrusts
 
 REACH_M = 0.1  # [m] E: half of a handle's length and the width of a hand
@@ -40,10 +39,9 @@ class StagedAttempt(Attempt):
         return (steps[-1] if whole else len(self.rows)) * self.dt
 
     @property
-    def energy(self) -> float:
-        """Integral of |thrust|^1.5 over the level, as other benchmarks have it."""
-        size = np.abs(thrusts(self.rows))
-        return math.fsum((size * np.sqrt(size)).ravel().tolist()) * self.dt
+    def thrust(self) -> Array:
+        """Thrust of each thruster, (k, n) [N]."""
+        return thrusts(self.rows)
 
 
 def _stage(name: str, label: str, number: int) -> LevelMetric[StagedAttempt]:
@@ -111,14 +109,8 @@ END: tuple[LevelMetric[Any], ...] = (
         compute=lambda attempt: attempt.hull_peak_n,
         over=MAX,
     ),
-    LevelMetric(
-        name="energy_n15_s",
-        label="Energy",
-        unit="N^1.5 s",
-        better="lower",
-        formula="sum |thrust|^1.5 dt",
-        compute=lambda attempt: attempt.energy,
-        over=SUM,
-    ),
+    ENERGY,
 )
-GROUP = MetricGroup("Interventions", (*START, *END))
+GROUP = MetricGroup(  # the energy is with the metrics of position controllers
+    "Interventions", tuple(metric for metric in (*START, *END) if metric is not ENERGY)
+)

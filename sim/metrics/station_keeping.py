@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sim.metrics.energy import ENERGY
 from seamark.sim.metrics.metric import (
     MAX,
     RMS,
@@ -42,7 +43,6 @@ HELD_P95_M = (
 CIRCLES_M = (0.1, 0.25, 0.5)  # [m] watch circles
 SETTLED_M = 0.1  # [m]
 FULL_THRUST = 0.98  # share of the limit from which a thruster counts as saturated; E
-ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
 REBOUND_S = 0.5  # S: ExperimentMeasurer, contacts closer than this are one collision
 VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
 WHOLE = "whole_"  # prefix of the metrics over the whole length of a level
@@ -151,11 +151,6 @@ def _thrust_rms(window: Window) -> float:
     return math.sqrt(mean(squares)) if squares else math.nan
 
 
-def _energy(window: Window) -> float:
-    size = np.abs(window.thrust)
-    return math.fsum((size * np.sqrt(size)).ravel().tolist()) * window.dt
-
-
 def _variation(window: Window) -> float:
     references = window.rows[:, INDEX["ref_u"] : INDEX["ref_w"] + 1]
     return math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist())
@@ -248,17 +243,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         reads=THRUST_COLUMNS,
         compute=_thrust_rms,
     ),
-    LevelMetric(
-        name="energy_n15_s",
-        label=f"Energy proxy, integral of thrust^{ENERGY_EXPONENT:g}",
-        unit=f"N^{ENERGY_EXPONENT:g} s",
-        better="lower",
-        meaning=f"the power of an ideal propeller grows with thrust^{ENERGY_EXPONENT:g}",
-        formula=f"sum over control steps and thrusters of abs(thrust)^{ENERGY_EXPONENT:g} dt",
-        over=SUM,
-        reads=THRUST_COLUMNS,
-        compute=_energy,
-    ),
+    ENERGY,
     LevelMetric(
         name="variation_m_s",
         label="Total variation of the references",

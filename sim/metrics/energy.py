@@ -1,0 +1,40 @@
+"""The energy of thrusters, as every benchmark with thrusters has it."""
+
+import math
+from typing import Any, Protocol
+
+import numpy as np
+
+from seamark.sim.metrics.metric import SUM, LevelMetric
+from seamark.sim.metrics.windows import THRUST_COLUMNS
+from seamark.sim.numerics.arrays import Array
+
+ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
+
+
+class Thrusting(Protocol):
+    """The rows of a level."""
+
+    dt: float  # [s]
+
+    @property
+    def thrust(self) -> Array:
+        """Thrust of each thruster, (k, n) [N]."""
+
+
+def _energy(level: Thrusting) -> float:
+    size = np.abs(level.thrust)
+    return math.fsum((size * np.sqrt(size)).ravel().tolist()) * level.dt
+
+
+ENERGY: LevelMetric[Any] = LevelMetric(
+    name="energy_n15_s",
+    label=f"Energy proxy, integral of thrust^{ENERGY_EXPONENT:g}",
+    unit=f"N^{ENERGY_EXPONENT:g} s",
+    better="lower",
+    meaning=f"the power of an ideal propeller grows with thrust^{ENERGY_EXPONENT:g}",
+    formula=f"sum over control steps and thrusters of abs(thrust)^{ENERGY_EXPONENT:g} dt",
+    over=SUM,
+    reads=THRUST_COLUMNS,
+    compute=_energy,
+)
