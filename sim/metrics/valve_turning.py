@@ -1,8 +1,8 @@
 """Turning a valve: stages, and what an attempt costs.
 
-Rotation counts while the arm touches the valve, its tool is at the handle, and nothing of the
-vehicle's hull touches handle or panel. So a handle that is spun by the hull, or swept along by a
-hand that passes, gives nothing or little. What turns back counts always.
+Rotation counts while the arm bears on the handle from two sides, its tool is at the handle, and
+nothing of the vehicle's hull touches handle or panel. So a handle that is spun by the hull, or
+swept along by a hand that passes, gives nothing. What turns back counts always.
 """
 
 import math
@@ -21,12 +21,15 @@ from seamark.sim.metrics.attempts import (
 )
 from seamark.sim.metrics.metric import SUM, LevelMetric, MetricGroup
 from seamark.sim.metrics.stages import Progress, Stage, first_run
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.recording.telemetry import Rows
 
 GRASP_M = 0.06  # [m] E: of the tool from the handle's middle, as far as jaws are open to each side
 GOALS_DEG = (30.0, 90.0, 170.0)  # S, the last: success in WasserMan's RotateValve
 HELD_S = 1.0  # [s] for which an angle must be held
+# The net force of the arm on the valve is at most this share of the sum of its contact forces, over
+# this time. It is all of it for a hand that pushes with one side, and nothing for a pure couple.
+ONE_SIDED, SIDES_S = 0.95, 0.5
 
 STAGES = (
     Stage(name="reached", label="Reached the handle", credit=0.05),
@@ -52,10 +55,22 @@ class Turning(StagedAttempt):
         """Return how far the handle was turned in the way that counts, (k,) [degrees]."""
         reach, hull = self.column("reach"), self.column("work_hull_n")
         turned = np.diff(self.column("workpiece_joint"), prepend=self.column("workpiece_joint")[:1])
-        counts = self.touched & (reach <= GRASP_M) & (hull == 0.0)
+        counts = self.touched & (reach <= GRASP_M) & (hull == 0.0) & self._both_sides()
         turned[(turned > 0.0) & ~counts] = 0.0
         angle: Array = np.cumsum(turned) * (180.0 / math.pi)
         return angle
+
+    def _both_sides(self) -> Flags:
+        """Return whether the arm bears on the handle from two sides, (k,)."""
+        net, whole = (self._lately(self.column(name)) for name in ("work_push_n", "work_arm_n"))
+        flags: Flags = net <= ONE_SIDED * whole
+        return flags
+
+    def _lately(self, values: Array) -> Array:
+        """Return the sum of the last values of `SIDES_S`, (k,)."""
+        steps, total = self.steps(SIDES_S), np.cumsum(values)
+        total[steps:] -= total[:-steps].copy()
+        return total
 
     def _progress(self) -> Progress:
         """Return how far the attempt got."""
@@ -108,8 +123,8 @@ _OWN: tuple[LevelMetric[Turning], ...] = (
         label="Turned",
         unit="°",
         better="higher",
-        meaning="largest angle that was held for 1 s; counted while the tool is at the handle and "
-        "the hull touches neither valve nor panel",
+        meaning="largest angle that was held for 1 s; counted while the tool is at the handle, the "
+        "arm bears on it from two sides, and the hull touches neither valve nor panel",
         formula="max over time of min over 1 s of the counted rotation",
         compute=lambda attempt: attempt.held_deg(),
     ),

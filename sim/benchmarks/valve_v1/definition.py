@@ -23,7 +23,7 @@ BENCHMARK = intervention_benchmark(
     },
     reference_built_in={
         "nothing": "Nothing: zero velocity, the arm at rest",
-        "blind": "Blind after the first look",
+        "blind": "Blind after six seconds",
         "oracle": "Oracle: knows the truth",
     },
 )

@@ -15,7 +15,6 @@ from seamark.sim.control.manipulation.approach import (
     WORK,
     Approach,
     ArmCompensates,
-    OneLook,
     clipped,
     turned,
 )
@@ -187,10 +186,19 @@ class Scripted(TurnValve):
     label = "Scripted: the vehicle brings the hand"
 
 
-class Blind(OneLook, Scripted):
-    """Sees the panel once, at the start, and then goes by dead reckoning."""
+class Blind(Scripted):
+    """Looks at the panel until it is about there, then goes down at once, by dead reckoning."""
 
-    label = "Blind after the first look"
+    label = "Blind after six seconds"
+    ABOVE_M = 0.1
+    LOOK_S = 6.0
+
+    def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
+        if observation.t < self.LOOK_S:
+            super()._look(observation, tilt, yaw)
+
+    def _ready(self) -> bool:
+        return abs(self.askew) < READY_RAD
 
 
 class ResolvedRate(ArmCompensates, TurnValve):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seamark.sim.metrics.attempts import STRIKE_N, STRUCK
-from seamark.sim.metrics.valve_turning import GRASP_M, METRICS, STAGES, Turning
+from seamark.sim.metrics.valve_turning import GRASP_M, METRICS, SIDES_S, STAGES, Turning
 from seamark.sim.numerics.libm import PI
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX, Rows, width_for
 
@@ -89,14 +89,47 @@ def test_an_angle_that_is_not_held_for_a_second_does_not_count() -> None:
         {"hull": 20.0},
         {"arm": 0.0},
         {"reach": GRASP_M + 0.01},
+        {"push": 50.0},
+        {"push": 49.0},
     ],
-    ids=["the hull touches", "the arm does not", "the tool is elsewhere"],
+    ids=[
+        "the hull touches",
+        "the arm does not",
+        "the tool is elsewhere",
+        "the arm pushes with one side",
+        "the other side only brushes it",
+    ],
 )
 def test_rotation_does_not_count(how: dict[str, float]) -> None:
-    at_handle = {"reach": 0.03, "arm": 50.0}
-    story = touched().then(5.0, turn_deg=175.0, **(at_handle | how)).then(2.0)
+    held = {"reach": 0.03, "arm": 50.0} | how
+    story = touched().then(SIDES_S, **held).then(5.0, turn_deg=175.0, **held).then(2.0)
 
     assert credit(story) == CREDIT["touched"]
+
+
+def test_two_sides_that_do_not_push_alike_turn_a_handle() -> None:
+    story = touched().then(5.0, turn_deg=175.0, reach=0.03, arm=50.0, push=40.0).then(2.0)
+
+    assert credit(story) == CREDIT["completed"]
+
+
+def test_a_side_that_lets_go_for_a_moment_does_not_end_a_turn() -> None:
+    story = touched()
+    for _ in range(5):
+        story.then(0.9, turn_deg=32.0, reach=0.03, arm=50.0, push=10.0)
+        story.then(0.1, turn_deg=3.0, reach=0.03, arm=50.0, push=50.0)
+
+    assert credit(story.then(2.0)) == CREDIT["completed"]
+
+
+def test_turning_to_and_fro_adds_up_to_nothing() -> None:
+    story = touched()
+    for _ in range(20):
+        story.then(1.0, turn_deg=20.0, reach=0.03, arm=50.0)
+        story.then(1.0, turn_deg=-20.0, reach=0.03, arm=50.0)
+
+    assert story.told().held_deg() <= 20.0
+    assert credit(story) < CREDIT["started"]
 
 
 def test_what_others_turned_back_counts_against_the_arm() -> None:

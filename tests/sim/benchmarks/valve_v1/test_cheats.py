@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.valve_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.valve_v1.settings import ValveConfiguration
-from seamark.sim.control.manipulation.approach import clipped
+from seamark.sim.control.manipulation.approach import Approach, clipped
 from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import plus
-from seamark.sim.control.manipulation.valve import Blind, Scripted
+from seamark.sim.control.manipulation.valve import TURN, Blind, Scripted
 from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command
-from seamark.sim.metrics.valve_turning import STAGES
+from seamark.sim.metrics.attempts import STRIKE_N
+from seamark.sim.metrics.valve_turning import GOALS_DEG, STAGES
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
 
@@ -79,7 +80,7 @@ class Flicker(Scripted):
 
     def step(self, observation: Observation) -> Sequence[float]:
         command = list(super().step(observation))
-        if observation.t > 18.0:
+        if self.phase == TURN and self.since_s > 2.0:
             (sine, cosine), speed = sincos(self.handle - self.attitude[2]), 0.4
             command[:2] = [-speed * sine, speed * cosine]
         return command
@@ -87,9 +88,12 @@ class Flicker(Scripted):
     def _grip(self, observation: Observation, yaw: float) -> Vector:
         grip = super()._grip(observation, yaw)
         sine, cosine = sincos(self.handle - yaw)
-        along, across = 0.06, -0.1
+        along, across = 0.04, -0.07
         beside = (along * cosine - across * sine, along * sine + across * cosine, 0.0)
         return plus(grip, beside)
+
+    def _fall(self, off: float, above: float) -> None:
+        Approach._fall(self, off, above)  # its closed jaws touch each other
 
     def _work(self, *arguments: Any) -> None:
         self.falling = 0.0
@@ -134,33 +138,55 @@ class Playback:
         return self._commands[self._at - 1]
 
 
-def rows_of(controller: Any, trial: int = 0) -> NDArray[np.float64]:
+def rows_of(controller: Any, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
     """Return the rows of a level."""
     rows: list[NDArray[np.float64]] = []
-    EXPERIMENT.level(CONFIG, Driver(controller), seed=SEED, trial=trial, level=0).run(rows.append)
+    driver = controller if isinstance(controller, Driver) else Driver(controller)
+    EXPERIMENT.level(CONFIG, driver, seed=seed, trial=trial, level=0).run(rows.append)
     return np.concatenate(rows)
+
+
+def attempts_of(cheat: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+    """Return the rows of a level of each trial."""
+    return [rows_of(cheat(CONFIG.for_program()), trial) for trial in TRIALS]
 
 
 def credit(rows: NDArray[np.float64]) -> float:
     return float(EXPERIMENT.metrics(CONFIG, 0, rows)["credit"])
 
 
-@pytest.mark.parametrize("cheat", [Dropper, Flicker, ByDvl])
-def test_who_does_not_turn_the_wrist_at_the_handle_gets_little_more_than_a_touch(
-    cheat: Callable[[Any], Any],
-) -> None:
-    credits = [credit(rows_of(cheat(CONFIG.for_program()), trial)) for trial in TRIALS]
-
-    assert max(credits) < STAGES[2].credit
-    assert sum(credits) <= len(TRIALS) * TOUCHED
+def turned_deg(rows: NDArray[np.float64]) -> float:
+    """Return how far the handle was turned, by whatever."""
+    return float(np.degrees(rows[:, WORK_INDEX["workpiece_joint"]].max()))
 
 
 def test_turns_by_the_hull_do_not_count() -> None:
-    attempts = [rows_of(HullSpinner(CONFIG.for_program()), trial) for trial in TRIALS]
+    attempts = attempts_of(HullSpinner)
     hull = [rows[:, WORK_INDEX["work_hull_n"]].max() for rows in attempts]
 
     assert max(hull) > 0.0
+    assert max(map(turned_deg, attempts)) > GOALS_DEG[-1]
     assert max(map(credit, attempts)) <= TOUCHED
+
+
+def test_a_vehicle_that_is_dropped_on_the_handle_turns_it_for_nothing() -> None:
+    attempts = attempts_of(Dropper)
+    pushes = [rows[:, WORK_INDEX["work_push_n"]].max() for rows in attempts]
+
+    assert min(pushes) > STRIKE_N
+    assert max(map(turned_deg, attempts)) > GOALS_DEG[0]
+    assert max(map(credit, attempts)) <= TOUCHED
+
+
+def test_a_lever_that_is_flicked_aside_gives_no_more_than_a_touch() -> None:
+    attempts = attempts_of(Flicker)
+
+    assert min(map(turned_deg, attempts)) > GOALS_DEG[0]
+    assert max(map(credit, attempts)) <= TOUCHED
+
+
+def test_who_flies_by_the_dvl_alone_does_not_find_the_handle() -> None:
+    assert max(map(credit, attempts_of(ByDvl))) <= TOUCHED
 
 
 def test_holding_still_gives_nothing() -> None:
@@ -170,19 +196,15 @@ def test_holding_still_gives_nothing() -> None:
     assert rows[:, INDEX["contact_n"]].max() == 0.0
 
 
-def test_commands_that_turned_the_valve_once_turn_no_other() -> None:
+def test_commands_that_turned_the_valve_once_turn_it_again_but_no_other() -> None:
     honest = Driver(Scripted(CONFIG.for_program()))
-    rows: list[NDArray[np.float64]] = []
-    EXPERIMENT.level(CONFIG, honest, seed=SEED, trial=2, level=0).run(rows.append)
-    assert credit(np.concatenate(rows)) > STAGES[2].credit
+    assert credit(rows_of(honest, 2)) == STAGES[-1].credit
+    assert credit(rows_of(Playback(honest.commands), 2)) == STAGES[-1].credit
 
-    others = [credit(rows_of(Playback(honest.commands), trial)) for trial in (0, 1, 3)]
+    fresh = [rows_of(Playback(honest.commands), trial, seed=SEED + 1) for trial in TRIALS]
 
-    assert max(others) <= TOUCHED
+    assert max(map(credit, fresh)) <= TOUCHED
 
 
-def test_who_looks_once_turns_less_than_who_keeps_looking() -> None:
-    seeing = [credit(rows_of(Scripted(CONFIG.for_program()), trial)) for trial in TRIALS]
-    blind = [credit(rows_of(Blind(CONFIG.for_program()), trial)) for trial in TRIALS]
-
-    assert sum(blind) < 0.5 * sum(seeing)
+def test_who_stops_looking_turns_less_than_who_looks_on() -> None:
+    assert sum(map(credit, attempts_of(Blind))) < 0.5 * sum(map(credit, attempts_of(Scripted)))
