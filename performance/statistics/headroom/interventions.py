@@ -12,7 +12,7 @@ from functools import partial
 
 from performance.statistics.headroom import over_current
 from performance.statistics.headroom.over_current import HALVES, Headroom, Measured, of_parts
-from seamark.sim import registry
+from seamark.sim.registry import benchmark
 
 SEED, TRIALS = 777, 24  # neither the reference seed nor one that controllers were tuned on
 SCORES = {"recover-v1": "recovered up to", "valve-v1": "turned up to"}
@@ -25,26 +25,26 @@ def columns(speeds: Sequence[float], one: Measured) -> Mapping[str, str]:
     return done | of_parts(one, HALVES)
 
 
-def plan(benchmark: str) -> Headroom:
+def plan(name: str) -> Headroom:
     """Return what is measured of an intervention benchmark."""
     return Headroom(
-        benchmark=benchmark,
-        command=f"intervention_headroom {benchmark}",
+        benchmark=name,
+        command=f"intervention_headroom {name}",
         seed=SEED,
         trials=TRIALS,
         seed_per_trial=False,
-        score=SCORES[benchmark],
+        score=SCORES[name],
         curve="credit",
         levels=("credit", "completed"),
-        columns=partial(columns, registry.benchmark(benchmark).read({}).level_values()),
+        columns=partial(columns, benchmark(name).read({}).level_values()),
         parts=HALVES,
     )
 
 
 def main(arguments: Sequence[str]) -> int:
     """Measure what is missing or named, then write table and plots."""
-    benchmark, *rest = arguments or ("--help",)
-    if benchmark not in SCORES:
+    name, *rest = arguments or ("--help",)
+    if name not in SCORES:
         print(f"{__doc__}\nBENCHMARK is one of: {', '.join(SCORES)}")
         return 2
-    return over_current.main(plan(benchmark), rest)
+    return over_current.main(plan(name), rest)
