@@ -32,7 +32,7 @@ from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
 from seamark.server.messaging import workers
 from seamark.server.pages.docs import guides, navigation, search_index
-from seamark.server.pages.docs.articles import sections_of
+from seamark.server.pages.docs.articles import code_block, sections_of
 from seamark.server.pages.docs.navigation import Entry
 from seamark.server.pages.docs.search_index import SearchIndex
 from seamark.server.web import known_benchmarks, own_wheel
@@ -143,10 +143,16 @@ def _tracker() -> dict[str, Any]:
 def _languages() -> dict[str, Any]:
     return {
         "guide": guides.html("languages.md"),
-        "starters": list(_starter_texts()),
+        "starters": _starters(),
         "compiling": COMPILING,
         "limits": Limits(),
     }
+
+
+@lru_cache(maxsize=1)
+def _starters() -> list[tuple[str, str]]:
+    """Return heading and HTML of the starters; colouring them takes 0.16 s."""
+    return [(heading, code_block(text, syntax)) for heading, text, syntax in _starter_texts()]
 
 
 def _starter_texts() -> Iterator[tuple[str, str, str]]:
