@@ -27,7 +27,7 @@ from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
-from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX
 
 if TYPE_CHECKING:
     from seamark.sim.camera.camera import Camera
@@ -127,7 +127,8 @@ def warm_up() -> None:
 def _render_one(benchmark: str) -> None:
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
 
-    row, config = np.zeros(WIDTH), registry.benchmark(benchmark).read({})
+    config = registry.benchmark(benchmark).read({})
+    row = np.zeros(config.telemetry_shape()[1])
     with _lock:
         frame = Replay(benchmark, config, lambda _trial: 0).frame(row)
         jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))

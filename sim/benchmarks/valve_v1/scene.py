@@ -17,7 +17,7 @@ from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.model import Place
 
-VALVE = "valve"
+VALVE = "roof-valve"
 LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
 SLIDING = (0.6, 0.9)  # torque in motion, as a share of that to break away
 _PREFIX = "work: "

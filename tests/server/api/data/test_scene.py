@@ -255,7 +255,7 @@ def test_the_vehicles_camera_sees_the_box_rise(site: Site) -> None:
 
 
 def test_a_link_on_a_joint_moves_with_it_and_the_rest_of_its_thing_stands() -> None:
-    valve, box = load_linkage("valve"), workpiece(BoxDraw())
+    valve, box = load_linkage("roof-valve"), workpiece(BoxDraw())
     place = box.things[0].place
     thing = Mounting(linkage=valve, place=place, prefix="a: ")
 
