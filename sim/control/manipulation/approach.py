@@ -35,7 +35,8 @@ from seamark.sim.vehicles.linkage_reading import load_linkage
 
 # Joints with the tool pointing down, well within their ranges.
 WORKING = {"arm-5e-like": (0.0, 0.45, 0.6, 0.0), "alpha-like": (0.0, 0.45, 3.1, 0.0)}
-FALL_M_S = 0.04
+FALL_M_S, SINK_M_S = 0.04, 0.12  # slowly, and before
+LOOK_M = 0.3  # from the place above the grip, to learn the drift of the reckoning
 NEAR_M, OVER_M = 0.1, 0.05  # horizontally: to come down, and to go on coming down
 MARGIN_RAD = 0.03  # of the range of a joint
 KP, KI = 0.7, 0.15  # [1/s, 1/s²] of the vehicle, level
@@ -44,7 +45,7 @@ KJ = 2.0  # [1/s] of the joints
 LEARN = 0.25  # share of a new sighting in what is remembered
 LOW_M = 0.15  # of the tool above the grip, from which on it does not look
 BELIEVED_M = 0.03  # of a correction on the way down
-DRIFT, MOST_DRIFT_M_S = 0.04, 0.02  # share of a correction in it [1/s]
+MOST_DRIFT_M_S = 0.02  # of the reckoning
 FASTEST_M_S = 0.25
 SEE, COME, FALL, WORK = range(4)  # phases; subclasses may have more after these
 
@@ -56,6 +57,9 @@ class Approach(ABC):
     HANDLE_M: ClassVar[float]  # above the face that is tracked
     HANDLE_RAD: ClassVar[float]  # of the handle from the face's first side
     ABOVE_M: ClassVar[float] = 0.25  # of the tool above the grip, to come down from
+    DRIFT: ClassVar[float] = 0.04  # share of a correction in the drift of the reckoning [1/s]
+    SLOW_M: ClassVar[float] = 0.3  # of the tool above the grip, from where it comes down slowly
+    SETTLE_S: ClassVar[float] = 0.0  # for which it looks before it comes down
     OPEN_RAD: ClassVar[float] = 0.6  # of a jaw
     BOTTOM_M: ClassVar[float]  # of the tool above the grip, where the work begins
 
@@ -79,6 +83,7 @@ class Approach(ABC):
         """Forget everything."""
         self.dt = float(level["dt"])
         self.phase, self.since_s = SEE, 0.0
+        self.looked_s = 0.0  # for which it has been above the grip
         self.place = [0.0, 0.0]  # [m] of the vehicle, north and east of its start
         self.work: Vector | None = None  # [m] grip, north and east of the start, depth
         self.handle = 0.0  # [rad] direction of the handle
@@ -86,9 +91,11 @@ class Approach(ABC):
         self.integral = [0.0, 0.0]  # [m/s] north, east
         self.offset = self.ABOVE_M  # [m] of the tool above the grip
         self.falling = 0.0
+        self.touching = 0  # parts of the hand
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s], yaw rate [rad/s] and the speeds of the joints."""
+        self.touching = int(sum(observation.touch.tolist()))
         roll, pitch, yaw = self._attitude(observation)
         tilt, joints = rotation(roll, pitch, 0.0), self._joints(observation)
         velocity = applied(tilt, self._velocity(observation))
@@ -160,7 +167,7 @@ class Approach(ABC):
         if self.work is not None:
             self.work = plus(self.work, times(off, LEARN))
         for axis in (0, 1):
-            self.drift[axis] = clipped(self.drift[axis] + DRIFT * off[axis], MOST_DRIFT_M_S)
+            self.drift[axis] = clipped(self.drift[axis] + self.DRIFT * off[axis], MOST_DRIFT_M_S)
 
     def _grip(self, observation: Observation, yaw: float) -> Vector:
         """Return where the grip is from the body's origin, level axes turned with the heading."""
@@ -179,7 +186,10 @@ class Approach(ABC):
         if self.phase == SEE:
             self._go(COME)
         elif self.phase == COME:
-            if off < NEAR_M and abs(error[2]) < 0.1 and self.since_s > 2.0 and self._ready():
+            if off < LOOK_M and abs(error[2]) < LOOK_M:
+                self.looked_s += self.dt
+            near = off < NEAR_M and abs(error[2]) < 0.1 and self.looked_s > self.SETTLE_S
+            if near and self.since_s > 2.0 and self._ready():
                 self._go(FALL)
         elif self.phase == FALL:
             self._fall(off, error[2])
@@ -188,8 +198,8 @@ class Approach(ABC):
 
     def _fall(self, off: float, above: float) -> None:
         if off < OVER_M and self.offset > self.BOTTOM_M:
-            self.falling = FALL_M_S
-            self.offset -= FALL_M_S * self.dt
+            self.falling = FALL_M_S if self.offset <= self.SLOW_M else SINK_M_S
+            self.offset -= self.falling * self.dt
         elif off > 2.0 * NEAR_M:
             self._again()
         if self.offset <= self.BOTTOM_M and abs(above) < 0.02 and off < OVER_M:
@@ -204,6 +214,7 @@ class Approach(ABC):
         """Go to the next step of the work if this one is done, or back."""
 
     def _again(self) -> None:
+        self.looked_s = 0.0
         self.offset = self.ABOVE_M
         self._go(COME)
 

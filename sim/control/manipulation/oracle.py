@@ -100,6 +100,9 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
     A Girona 500 resists from ahead more than twice the current that it resists from abeam.
     """
 
+    # It need not look or feel, and knows the depth.
+    ABOVE_M, SLOW_M, BOTTOM_M, SETTLE_S, FEEL_M = 0.25, 0.3, 0.02, 0.0, 0.0
+
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Know the current of the start."""
         super().reset(level)

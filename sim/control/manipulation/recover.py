@@ -4,9 +4,12 @@ And again from the start if the hand closes on nothing.
 """
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 from seamark.sim.control.manipulation.approach import (
+    FALL,
     KZ,
+    LOW_M,
     WORK,
     Approach,
     ArmCompensates,
@@ -26,7 +29,11 @@ CLOSE, LIFT = WORK, WORK + 1
 class Recover(Approach):
     """The steps of a recovery."""
 
-    BOTTOM_M = 0.02
+    SLOW_M = 0.15
+    FEEL_M: ClassVar[float] = LOW_M  # of the tool above the grip, from where a touch ends the way
+    ABOVE_M = 0.6  # where the hand does not hide the box
+    SETTLE_S, DRIFT = 6.0, 0.06
+    BOTTOM_M = -0.01
     HANDLE_M = 0.07
     HANDLE_RAD = 0.5 * PI
 
@@ -34,6 +41,11 @@ class Recover(Approach):
         """Forget everything."""
         super().reset(level)
         self.goal_depth = 0.0
+
+    def _fall(self, off: float, above: float) -> None:
+        super()._fall(off, above)
+        if self.phase == FALL and self.touching and self.offset < self.FEEL_M:
+            self._go(CLOSE)  # it stands on the box
 
     def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
         if self.phase == CLOSE and self.since_s > CLOSE_S:

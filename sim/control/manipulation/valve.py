@@ -70,12 +70,10 @@ class TurnValve(Approach):
         self.attitude = (0.0, 0.0, 0.0)
         self.leaning = [0.0, 0.0]  # [rad] roll and pitch in the mean
         self.gripped, self.pause_s = False, 0.0
-        self.touching = 0  # parts of the hand
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return the command."""
         self.attitude = self._attitude(observation)
-        self.touching = int(sum(observation.touch.tolist()))
         return super().step(observation)
 
     def _learn(self, seen: Seen, yaw: float, observation: Observation) -> None:
