@@ -51,11 +51,13 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     stages: Stages,
     built_in: Mapping[str, str],
     reference_built_in: Mapping[str, str],
+    scale: tuple[float, float],
 ) -> Benchmark:
     """Return a benchmark of programs that move an arm; its folder has the experiment.
 
     Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
-    the credit first, and `group` those of them that no other intervention has.
+    the credit first, and `group` those of them that no other intervention has. `scale` goes from
+    the score of doing nothing to that of the oracle.
     """
     credit, *rest = metrics
     return Benchmark(
@@ -70,6 +72,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         reference_built_in=reference_built_in,
         experiment=f"seamark.sim.benchmarks.{name.replace('-', '_')}.experiment:EXPERIMENT",
         headline=Metric("score", "Done up to", "m/s", "higher"),
+        scale=scale,
         score_bar_max=max(configuration.model_fields["levels"].default),
         level_held_unit="m/s",
         charts=CHARTS,

@@ -26,4 +26,5 @@ BENCHMARK = intervention_benchmark(
         "blind": "Blind after the first look",
         "oracle": "Oracle: knows the truth",
     },
+    scale=(0.0, 0.525),  # ./run performance intervention_headroom recover-v1
 )

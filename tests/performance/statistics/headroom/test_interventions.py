@@ -1,9 +1,19 @@
 """The tables of the reference entries of benchmarks with an arm."""
 
+from itertools import pairwise
+
 import pytest
 
-from performance.statistics.headroom.interventions import columns, main, published_table
-from performance.statistics.headroom.over_current import Measured
+from performance import DOCS
+from performance.statistics.headroom.interventions import (
+    SCORES,
+    columns,
+    main,
+    plan,
+    published_table,
+)
+from performance.statistics.headroom.over_current import Measured, ordered, reference_table
+from seamark.sim.numerics.statistics import mean, paired_interval
 
 
 def test_a_row_has_how_often_the_work_was_done_at_each_speed_and_both_halves() -> None:
@@ -36,3 +46,37 @@ def test_a_benchmark_without_an_arm_is_refused_with_the_names_of_those_that_have
 ) -> None:
     assert main(arguments) == 2
     assert "valve-v1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", SCORES)
+def test_each_entry_that_sees_is_better_than_the_one_below_it_by_more_than_the_interval(
+    name: str,
+) -> None:
+    stored = plan(name).known()
+    order = ordered(stored)
+    steps = {
+        (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=1)
+        for worse, better in pairwise(order[1:])
+    }
+
+    assert order == ["nothing", "blind", "scripted", "resolved-rate", "oracle"]
+    assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
+
+
+@pytest.mark.parametrize("name", SCORES)
+def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale(
+    name: str,
+) -> None:
+    headroom = plan(name)
+    stored = headroom.known()
+
+    table = reference_table(headroom, stored, headroom.titles())
+
+    assert table in (DOCS / "benchmarks.md").read_text("utf-8")
+    assert headroom.definition.scale == pytest.approx(
+        [mean(stored[name].scores) for name in ("nothing", "oracle")], abs=0.0005
+    )
+
+
+def test_the_scripted_entry_recovers_the_box_in_four_of_five_trials_at_0_1_m_s() -> None:
+    assert plan("recover-v1").known()["scripted"].levels["completed"][1] >= 0.8
