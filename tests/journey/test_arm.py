@@ -43,7 +43,7 @@ RECOVER = {
     "benchmark": "recover-v1",
     "controller": "scripted",
     "seed": 2026,
-    "config": {"levels": [0.0], "level_duration_s": 22.0},
+    "config": {"levels": [0.0], "level_duration_s": 26.0},
 }
 
 

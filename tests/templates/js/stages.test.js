@@ -49,6 +49,15 @@ test("before its first stage and in the next level, no stage is reached", () => 
   );
 });
 
+test("the row that reached a stage belongs to it, however its time was rounded", () => {
+  const bands = bandsOf({ levels: LEVELS, stages: [{ level: 1, stage: 2, t: 20.2 }] }, 80);
+
+  assert.deepEqual(
+    [20.15, Math.fround(20.2), 20.199999, 20.2].map((t) => bandAt(bands, t)?.stage),
+    [undefined, 2, 2, 2],
+  );
+});
+
 test("a level that is compared alone begins at zero", () => {
   const bands = bandsOf({ levels: LEVELS, stages: REACHED }, 80);
 

@@ -48,7 +48,8 @@ def fmu(name: str, folder: Path) -> bytes:
     if name != "template":
         return host_compiler.fmu(name, folder)
     files = FMU.starters[0].contents()
-    (folder / "controller.c").write_bytes(files["sources/controller.c"])
+    for source in ("controller.c", "fmi2.h"):
+        (folder / source).write_bytes(files[f"sources/{source}"])
     target = folder / "controller.so"
     library = host_compiler.compiled_on_host([folder / "controller.c"], target, "-shared", "-fPIC")
     with zipfile.ZipFile(io.BytesIO(files["controller.fmu"])) as archive:

@@ -7,7 +7,7 @@ export const WINDOW_ROWS = 401;
 const WINDOW_S = 20; // at speed 1, with every row of 0.05 s
 const WINDOWS_MAX = 16; // kept
 const LIVE_ROWS = 600; // of the newest ones that arrived
-const SAME_S = 1e-4;
+export const SAME_S = 1e-4; // times of rows are rounded
 const ALWAYS = [
   ...["level", "x", "y", "z", "roll", "pitch", "yaw", "current_x", "current_y", "current_z"],
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],

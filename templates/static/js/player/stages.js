@@ -1,6 +1,7 @@
 // How far a level got, as bands of the time line: from where a stage was reached to the next one, or to the end of
 // the level. No page is needed for it.
 /** @import { Moments } from "../server_data.d.ts" */
+import { SAME_S } from "./rows.js";
 
 /** @typedef {{stage: number, from: number, to: number}} Band stages from 0, times in [s] */
 
@@ -26,7 +27,7 @@ export function bandsOf({ levels, stages = [] }, newest, length = Infinity) {
  * @param {Band[]} bands
  * @param {number} t
  */
-export const bandAt = (bands, t) => bands.find(({ from, to }) => t >= from && t < to);
+export const bandAt = (bands, t) => bands.find(({ from, to }) => t >= from - SAME_S && t < to - SAME_S);
 
 /**
  * The parts of bands between two times, counted from the first of these.
