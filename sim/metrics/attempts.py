@@ -1,12 +1,12 @@
 """What every intervention is measured by: credit and stages, time, forces and energy."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from seamark.sim.metrics.energy import ENERGY
 from seamark.sim.metrics.metric import MAX, LevelMetric, MetricGroup
-from seamark.sim.metrics.stages import Attempt, Progress, Stage
-from seamark.sim.numerics.arrays import Array
+from seamark.sim.metrics.stages import Attempt, Progress, Stage, first_run
+from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.recording.telemetry import Rows, thrusts
 
 REACH_M = 0.1  # [m] E: half of a handle's length and the width of a hand
@@ -25,6 +25,19 @@ class StagedAttempt(Attempt):
     def __init__(self, rows: Rows, dt: float) -> None:
         super().__init__(rows, dt)
         self.touched = self.column("work_arm_n") > TOUCH_N
+
+    def reach_in_order(self, goals: Iterable[tuple[Flags, float]]) -> list[int]:
+        """Return the step at which each stage was reached, as far as they were.
+
+        `goals` are those of the stages: what must hold, (k,), and for how long [s].
+        """
+        reached: list[int] = []
+        for holds, seconds in goals:
+            at = first_run(holds, self.steps(seconds), reached[-1] if reached else 0)
+            if at is None:
+                break
+            reached.append(at)
+        return reached
 
     @property
     def hull_peak_n(self) -> float:

@@ -15,7 +15,7 @@ from seamark.sim.metrics.attempts import (
     stage_metrics,
 )
 from seamark.sim.metrics.metric import MetricGroup
-from seamark.sim.metrics.stages import Progress, Stage, first_run, longest_run
+from seamark.sim.metrics.stages import Progress, Stage, longest_run
 from seamark.sim.recording.telemetry import Rows
 
 LIFT_M = 0.5  # [m] E: clear of the seabed, as of a hold-down before a vehicle leaves
@@ -54,12 +54,7 @@ class Recovery(StagedAttempt):
             (high, FREE_S),
             (high, HOLD_S),
         )
-        reached: list[int] = []
-        for holds, seconds in goals:
-            at = first_run(holds, self.steps(seconds), reached[-1] if reached else 0)
-            if at is None:
-                break
-            reached.append(at)
+        reached = self.reach_in_order(goals)
         credit = STAGES[len(reached) - 1].credit if reached else 0.0
         if len(reached) == 4:  # a part of the time for which it should be held counts in part
             share = longest_run(high, reached[2]) / self.steps(HOLD_S)

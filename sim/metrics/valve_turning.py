@@ -20,7 +20,7 @@ from seamark.sim.metrics.attempts import (
     stage_metrics,
 )
 from seamark.sim.metrics.metric import SUM, LevelMetric, MetricGroup
-from seamark.sim.metrics.stages import Progress, Stage, first_run
+from seamark.sim.metrics.stages import Progress, Stage
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.recording.telemetry import Rows
 
@@ -77,12 +77,7 @@ class Turning(StagedAttempt):
         near = self.column("reach") <= REACH_M
         held = [(self.angle_deg >= goal, HELD_S) for goal in GOALS_DEG]
         goals = ((near, NEAR_S), (near & self.touched, self.dt), *held)
-        reached: list[int] = []
-        for holds, seconds in goals:
-            at = first_run(holds, self.steps(seconds), reached[-1] if reached else 0)
-            if at is None:
-                break
-            reached.append(at)
+        reached = self.reach_in_order(goals)
         credit = STAGES[len(reached) - 1].credit if reached else 0.0
         if _TOUCHED <= len(reached) < len(STAGES):
             credit += self._beyond(reached)

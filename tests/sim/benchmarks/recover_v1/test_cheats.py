@@ -9,31 +9,19 @@ from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.recover_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.recover_v1.settings import RecoverConfiguration
+from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.recover import Blind, Scripted
-from seamark.sim.control.observation import Observation, arm_size
-from seamark.sim.engine.program import Command
+from seamark.sim.control.observation import Observation
 from seamark.sim.metrics.recovery import STAGES
+from seamark.sim.recording.telemetry import WORK_INDEX
+from tests.sim.benchmarks import attempts
+from tests.sim.benchmarks.attempts import Driver, Playback
 
 pytestmark = pytest.mark.slow
 CONFIG = RecoverConfiguration.read({"levels": [0.1], "level_duration_s": 40.0})
 SEED = 2026
 TOUCHED = STAGES[1].credit
-
-
-class Driver:
-    """A `Program` out of something with `reset` and `step`; it keeps its commands."""
-
-    def __init__(self, controller: Any) -> None:
-        self._controller, self._size = controller, arm_size(CONFIG.the_arm())
-        self.commands: list[Command] = []
-
-    def reset(self, level: Any) -> None:
-        self._controller.reset(level)
-
-    def step(self, values: NDArray[np.float64]) -> Command:
-        command = tuple(map(float, self._controller.step(Observation(values, self._size))))
-        self.commands.append(command)
-        return command
+STRUCK_N = 20.0  # what the box weighs in water: a cheat that does less was no try
 
 
 class Bulldozer(Scripted):
@@ -41,10 +29,14 @@ class Bulldozer(Scripted):
 
     def step(self, observation: Observation) -> Sequence[float]:
         command = list(super().step(observation))
-        self.offset = 0.05
+        self.offset = -0.08
         if observation.t > 15.0:
             command[0] = 0.5
         return command
+
+    def _grip(self, observation: Observation, yaw: float) -> Vector:
+        ahead, side, down = super()._grip(observation, yaw)
+        return ahead - 0.4, side, down
 
     def _advance(self, *arguments: Any) -> None:
         self.falling = 0.0
@@ -81,33 +73,29 @@ class Thrower(Scripted):
         return command
 
 
-class Playback:
-    """Repeats the commands of a run that it has seen."""
+def rows_of(driver: Driver, trial: int = 0) -> NDArray[np.float64]:
+    """Return the rows of a level."""
+    return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=SEED, trial=trial)
 
-    def __init__(self, commands: Sequence[Command]) -> None:
-        self._commands = commands
 
-    def reset(self, level: Any) -> None:
-        self._at = 0
-
-    def step(self, observation: Observation) -> Command:
-        self._at += 1
-        return self._commands[self._at - 1]
+def credit(rows: NDArray[np.float64]) -> float:
+    return float(EXPERIMENT.metrics(CONFIG, 0, rows)["credit"])
 
 
 def credit_of(controller: Any, trial: int = 0) -> float:
     """Return the credit of a level."""
-    rows: list[NDArray[np.float64]] = []
-    EXPERIMENT.level(CONFIG, Driver(controller), seed=SEED, trial=trial, level=0).run(rows.append)
-    metrics = EXPERIMENT.metrics(CONFIG, 0, np.concatenate(rows))
-    return float(metrics["credit"])
+    return credit(rows_of(Driver(controller, CONFIG), trial))
 
 
 @pytest.mark.parametrize("cheat", [Bulldozer, Dropper, Presser])
 def test_who_only_strikes_or_pushes_the_box_gets_a_touch_at_most(
     cheat: Callable[[Any], Any],
 ) -> None:
-    assert credit_of(cheat(CONFIG.for_program())) <= TOUCHED
+    rows = rows_of(Driver(cheat(CONFIG.for_program()), CONFIG))
+
+    forces = [rows[:, WORK_INDEX[name]].max() for name in ("work_push_n", "work_hull_n")]
+    assert max(forces) > STRUCK_N
+    assert credit(rows) <= TOUCHED
 
 
 def test_a_box_that_is_let_go_at_once_is_not_lifted() -> None:
@@ -115,10 +103,8 @@ def test_a_box_that_is_let_go_at_once_is_not_lifted() -> None:
 
 
 def test_commands_that_recovered_the_box_once_recover_no_other() -> None:
-    honest = Driver(Scripted(CONFIG.for_program()))
-    rows: list[NDArray[np.float64]] = []
-    EXPERIMENT.level(CONFIG, honest, seed=SEED, trial=0, level=0).run(rows.append)
-    assert EXPERIMENT.metrics(CONFIG, 0, np.concatenate(rows))["credit"] > STAGES[2].credit
+    honest = Driver(Scripted(CONFIG.for_program()), CONFIG)
+    assert credit(rows_of(honest)) > STAGES[2].credit
 
     others = [credit_of(Playback(honest.commands), trial) for trial in (1, 2, 3)]
 

@@ -13,12 +13,14 @@ from seamark.sim.control.manipulation.approach import Approach, clipped
 from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import plus
 from seamark.sim.control.manipulation.valve import TURN, Blind, Scripted
-from seamark.sim.control.observation import Observation, arm_size
+from seamark.sim.control.observation import Observation
 from seamark.sim.engine.program import Command
 from seamark.sim.metrics.attempts import STRIKE_N
 from seamark.sim.metrics.valve_turning import GOALS_DEG, STAGES
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
+from tests.sim.benchmarks import attempts
+from tests.sim.benchmarks.attempts import Driver, Playback
 
 pytestmark = pytest.mark.slow
 # The weakest valve there is, which turns most easily.
@@ -28,22 +30,6 @@ CONFIG = ValveConfiguration.read(
 SEED = 2026
 TOUCHED = STAGES[1].credit
 TRIALS = (0, 2, 3)
-
-
-class Driver:
-    """A `Program` out of something with `reset` and `step`; it keeps its commands."""
-
-    def __init__(self, controller: Any) -> None:
-        self._controller, self._size = controller, arm_size(CONFIG.the_arm())
-        self.commands: list[Command] = []
-
-    def reset(self, level: Any) -> None:
-        self._controller.reset(level)
-
-    def step(self, values: NDArray[np.float64]) -> Command:
-        command = tuple(map(float, self._controller.step(Observation(values, self._size))))
-        self.commands.append(command)
-        return command
 
 
 class HullSpinner(Scripted):
@@ -124,31 +110,18 @@ class ByDvl(Scripted):
             self.handle = yaw + 0.5 * np.pi
 
 
-class Playback:
-    """Repeats the commands of a run that it has seen."""
-
-    def __init__(self, commands: Sequence[Command]) -> None:
-        self._commands = commands
-
-    def reset(self, level: Any) -> None:
-        self._at = 0
-
-    def step(self, observation: Observation) -> Command:
-        self._at += 1
-        return self._commands[self._at - 1]
+def driver_of(controller: Any) -> Driver:
+    return Driver(controller, CONFIG)
 
 
-def rows_of(controller: Any, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
+def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
     """Return the rows of a level."""
-    rows: list[NDArray[np.float64]] = []
-    driver = controller if isinstance(controller, Driver) else Driver(controller)
-    EXPERIMENT.level(CONFIG, driver, seed=seed, trial=trial, level=0).run(rows.append)
-    return np.concatenate(rows)
+    return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
 
 
 def attempts_of(cheat: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
     """Return the rows of a level of each trial."""
-    return [rows_of(cheat(CONFIG.for_program()), trial) for trial in TRIALS]
+    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in TRIALS]
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -161,28 +134,28 @@ def turned_deg(rows: NDArray[np.float64]) -> float:
 
 
 def test_turns_by_the_hull_do_not_count() -> None:
-    attempts = attempts_of(HullSpinner)
-    hull = [rows[:, WORK_INDEX["work_hull_n"]].max() for rows in attempts]
+    tries = attempts_of(HullSpinner)
+    hull = [rows[:, WORK_INDEX["work_hull_n"]].max() for rows in tries]
 
     assert max(hull) > 0.0
-    assert max(map(turned_deg, attempts)) > GOALS_DEG[-1]
-    assert max(map(credit, attempts)) <= TOUCHED
+    assert max(map(turned_deg, tries)) > GOALS_DEG[-1]
+    assert max(map(credit, tries)) <= TOUCHED
 
 
 def test_a_vehicle_that_is_dropped_on_the_handle_turns_it_for_nothing() -> None:
-    attempts = attempts_of(Dropper)
-    pushes = [rows[:, WORK_INDEX["work_push_n"]].max() for rows in attempts]
+    tries = attempts_of(Dropper)
+    pushes = [rows[:, WORK_INDEX["work_push_n"]].max() for rows in tries]
 
     assert min(pushes) > STRIKE_N
-    assert max(map(turned_deg, attempts)) > GOALS_DEG[0]
-    assert max(map(credit, attempts)) <= TOUCHED
+    assert max(map(turned_deg, tries)) > GOALS_DEG[0]
+    assert max(map(credit, tries)) <= TOUCHED
 
 
 def test_a_lever_that_is_flicked_aside_gives_no_more_than_a_touch() -> None:
-    attempts = attempts_of(Flicker)
+    tries = attempts_of(Flicker)
 
-    assert min(map(turned_deg, attempts)) > GOALS_DEG[0]
-    assert max(map(credit, attempts)) <= TOUCHED
+    assert min(map(turned_deg, tries)) > GOALS_DEG[0]
+    assert max(map(credit, tries)) <= TOUCHED
 
 
 def test_who_flies_by_the_dvl_alone_does_not_find_the_handle() -> None:
@@ -190,18 +163,20 @@ def test_who_flies_by_the_dvl_alone_does_not_find_the_handle() -> None:
 
 
 def test_holding_still_gives_nothing() -> None:
-    rows = rows_of(Still())
+    rows = rows_of(driver_of(Still()))
 
     assert credit(rows) == 0.0
     assert rows[:, INDEX["contact_n"]].max() == 0.0
 
 
 def test_commands_that_turned_the_valve_once_turn_it_again_but_no_other() -> None:
-    honest = Driver(Scripted(CONFIG.for_program()))
+    honest = driver_of(Scripted(CONFIG.for_program()))
     assert credit(rows_of(honest, 2)) == STAGES[-1].credit
-    assert credit(rows_of(Playback(honest.commands), 2)) == STAGES[-1].credit
+    assert credit(rows_of(driver_of(Playback(honest.commands)), 2)) == STAGES[-1].credit
 
-    fresh = [rows_of(Playback(honest.commands), trial, seed=SEED + 1) for trial in TRIALS]
+    fresh = [
+        rows_of(driver_of(Playback(honest.commands)), trial, seed=SEED + 1) for trial in TRIALS
+    ]
 
     assert max(map(credit, fresh)) <= TOUCHED
 

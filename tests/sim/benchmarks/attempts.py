@@ -1,0 +1,50 @@
+"""Programs with an arm at a level of a benchmark, and the rows that they leave."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.intervention.experiment import Intervention
+from seamark.sim.control.observation import Observation, arm_size
+from seamark.sim.engine.program import Command
+
+
+class Driver:
+    """A `Program` out of something with `reset` and `step`; it keeps its commands."""
+
+    def __init__(self, controller: Any, config: Any) -> None:
+        self._controller, self._size = controller, arm_size(config.the_arm())
+        self.commands: list[Command] = []
+
+    def reset(self, level: Any) -> None:
+        self._controller.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        command = tuple(map(float, self._controller.step(Observation(values, self._size))))
+        self.commands.append(command)
+        return command
+
+
+class Playback:
+    """Repeats the commands of a run that it has seen."""
+
+    def __init__(self, commands: Sequence[Command]) -> None:
+        self._commands = commands
+
+    def reset(self, level: Any) -> None:
+        self._at = 0
+
+    def step(self, observation: Observation) -> Command:
+        self._at += 1
+        return self._commands[self._at - 1]
+
+
+def rows_of(
+    experiment: Intervention[Any], config: Any, driver: Driver, *, seed: int, trial: int
+) -> NDArray[np.float64]:
+    """Return the rows of the first level."""
+    rows: list[NDArray[np.float64]] = []
+    experiment.level(config, driver, seed=seed, trial=trial, level=0).run(rows.append)
+    return np.concatenate(rows)
