@@ -26,6 +26,10 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "compare": ("compare:compare", "Compare results or runs of a server side by side."),
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
+    "demonstrations": (
+        "demonstrations:demonstrations",
+        "Write episodes of a built-in expert for imitation learning.",
+    ),
     "vehicle": ("vehicle:vehicle", "Check, draw or import the file of a vehicle."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
     "completion": ("completion:completion", "Print the completion script of a shell."),

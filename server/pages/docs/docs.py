@@ -52,6 +52,7 @@ EXTRAS = {  # of pyproject.toml
     "server": "the service: seamark up, web, worker, db, user and token",
     "box": "ONNX Runtime and SciPy, which programs find in the sandbox of a server",
     "gym": "environments for Gymnasium",
+    "demonstrations": "seamark demonstrations",
     "tune": "seamark tune",
     "formats": "seamark export to Parquet and MCAP",
     "ros": "seamark bridge rosbridge; seamark replay of MCAP files and ROS bags",

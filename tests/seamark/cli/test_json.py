@@ -28,6 +28,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "compare": "{first} {second}",
     "leaderboard": "currents-v1",
     "dataset": f"currents-v1 {' '.join(SHORT)} --every 20",
+    "demonstrations": "valve-v1 --episodes 1 --jobs 1 --set levels=0 --set level_duration_s=2",
     "benchmarks": "",
     "benchmarks NAME": "currents-v1",
     "vehicle check": "girona500",
