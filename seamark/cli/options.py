@@ -23,8 +23,8 @@ def controller_option(command: Command) -> Command:
     """Add --controller; shells complete built-in solutions and files."""
     return click.option(
         "--controller",
-        metavar="FILE|NAME",
-        help="A file or a built-in solution.  [default: the benchmark's first]",
+        metavar="FILE|FOLDER|NAME",
+        help="A file, a folder of them, or a built-in solution.  [default: the benchmark's first]",
         shell_complete=_solutions,
     )(command)
 

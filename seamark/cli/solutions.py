@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import difflib
+import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -10,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seamark.cli.extras import has_simulator
+from seamark.drafts import replace_file
 from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
 
 if TYPE_CHECKING:
@@ -20,13 +24,13 @@ if TYPE_CHECKING:
 def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
     """Return the name of a solution and its file; None for a built-in one.
 
-    The default is the first built-in solution of the benchmark. A benchmark that this version does
-    not know may be one of a newer server.
+    A folder is packed into an archive. The default is the first built-in solution of the benchmark.
+    A benchmark that this version does not know may be one of a newer server.
 
     Raises
     ------
     UsageRefused
-        It is neither a file nor built in, or the benchmark does not support its language.
+        It is neither a file, a folder nor built in, or the benchmark does not support its language.
     """
     if not has_simulator():
         return _choose_unchecked(controller)
@@ -37,14 +41,15 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
     built_in = list(entry.built_in)
     if controller is None or controller in {*built_in, *entry.reference_built_in}:
         return controller or built_in[0], None
-    path = Path(controller)
+    path = file_of(Path(controller))
     if path.is_file():
         _check_language(path, entry.role)
         return controller, path
     near = difflib.get_close_matches(controller, built_in, n=1)
     hint = f" Did you mean {near[0]}?" if near else ""
     raise UsageRefused(
-        f"{controller} is neither a file nor a built-in {entry.role} ({', '.join(built_in)}).{hint}"
+        f"{controller} is neither a file or folder nor a built-in {entry.role} "
+        f"({', '.join(built_in)}).{hint}"
     )
 
 
@@ -52,10 +57,36 @@ def _choose_unchecked(controller: str | None) -> tuple[str, Path | None]:
     """Return the name of a solution and its file where only the server knows what is built in."""
     if controller is None:
         raise UsageRefused("Name a file or a built-in solution with --controller.")
-    path = Path(controller)
+    path = file_of(Path(controller))
     if path.suffix and not path.is_file():
         raise UsageRefused(f"There is no file {controller}.")
     return controller, path if path.is_file() else None
+
+
+def file_of(path: Path) -> Path:
+    """Return the file of a program: a folder is packed into an archive until the process ends.
+
+    Raises
+    ------
+    UsageRefused
+        The folder cannot be read, or would be no archive that can be uploaded.
+    """
+    if not path.is_dir():
+        return path
+    from seamark.programs import archives
+    from seamark.sandbox.limits import Limits
+
+    try:
+        content = archives.of_folder(path, limits=Limits())
+    except archives.ArchiveRefused as reason:
+        raise UsageRefused(f"{path}: {reason}") from None
+    except OSError as error:
+        raise UsageRefused(f"{error.filename} cannot be read: {error.strerror}.") from None
+    target = Path(tempfile.mkdtemp(prefix="seamark-"))
+    atexit.register(shutil.rmtree, target, ignore_errors=True)
+    packed = target / f"{path.resolve().name or 'program'}.zip"
+    replace_file(packed, content)
+    return packed
 
 
 def _check_language(path: Path, role: str) -> None:

@@ -5,6 +5,7 @@ Python is quadratic in some sources, and an archive expands.
 """
 
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 from seamark.programs import archives, declarations, file_types, matlab_lint, python_lint
 from seamark.programs.archives import ArchiveRefused
@@ -112,12 +113,17 @@ def _lint(language: str, files: dict[str, bytes], main: str, role: str) -> tuple
 
 
 def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:
-    """Return language and path of the archive's main file."""
-    for language in LANGUAGES.values():
-        for main in language.archive_mains:
-            if main in files:
-                return language.name, main
+    """Return language and path of the archive's main file.
+
+    The first names of all languages come before their second ones: a program in C may have a
+    `controller.py` beside it that tries it.
+    """
     languages = LANGUAGES.values()
+    ranked = zip_longest(*([(main, one) for main in one.archive_mains] for one in languages))
+    mains = [found for rank in ranked for found in rank if found is not None]
+    for main, language in mains:
+        if main in files:
+            return language.name, main
     known = ", ".join(f"{main} ({one.label})" for one in languages for main in one.archive_mains)
     top = sorted(path for path in files if "/" not in path)[:5]
     raise UploadRejected(

@@ -22,6 +22,8 @@ from seamark.sim import registry
 from seamark.sim.vehicles import load
 from tests.additions.things import FILES
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 Shown = dict[str, str]  # address -> text
 

@@ -10,7 +10,15 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
-from tests.journey.service import Service, locked, once, running, shared, without_baselines
+from tests.journey.service import (
+    TWO_TRIALS,
+    Service,
+    locked,
+    once,
+    running,
+    shared,
+    without_baselines,
+)
 from tests.journey.visitor import RUN_MS, Visitor
 
 # The build without windows takes two thirds of the processor time of the other one.
@@ -38,6 +46,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """The same service on PostgreSQL and a broker over TCP, by settings alone."""
     variables = {
+        "PYTHONPATH": str(TWO_TRIALS),
         "SEAMARK_DATABASE_URL": postgres_url,
         "SEAMARK_BROKER_URL": redis_tcp_url,
         "SEAMARK_WORKERS": "1",  # for its one run; a second would prepare itself for nothing

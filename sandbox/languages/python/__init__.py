@@ -32,7 +32,7 @@ PYTHON = Language(
         sample(HERE / "starter/controller.py"),
         sample(HERE / "conformance/tracker.py", role=TRACKER),
     ),
-    archive_mains=("main.py",),
+    archive_mains=("main.py", "controller.py", "tracker.py"),
     roles=ALL_ROLES,
     syntax="python",
     declarations=Declarations.LITERAL,

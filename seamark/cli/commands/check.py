@@ -19,7 +19,7 @@ SHOWN_OUTPUT = 2000  # [characters]
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE|FOLDER")
 @click.option("--benchmark", default=DEFAULT_BENCHMARK, show_default=True)
 @configuration_options
 @json_option
@@ -40,13 +40,14 @@ def check(
       seamark check my_controller.py
       seamark check my_controller.zip --set vehicle=girona500-uwsim
       seamark check controller.c --json
+      seamark check my_arm/ --benchmark recover-v1
     """
     from seamark.cli.configuration import run_configuration_of
     from seamark.cli.extras import absent_in_box
-    from seamark.cli.solutions import prepare
+    from seamark.cli.solutions import file_of, prepare
     from seamark.programs import check_report
 
-    prepared = prepare(file, benchmark=benchmark)
+    prepared = prepare(file_of(file), benchmark=benchmark)
     values = run_configuration_of(benchmark, config, pairs, prepared)
     if prepared.diagnostics:
         checked = check_report.from_diagnostics(prepared.diagnostics)

@@ -109,6 +109,8 @@ def _write(folder: Path, kind: Format, file: BinaryIO, program: Path | None) -> 
 
 
 def _program(path: Path) -> Program:
+    from seamark.cli.solutions import file_of
     from seamark.formats.recording import Program
 
-    return Program(path.name, path.read_bytes())
+    file = file_of(path)
+    return Program(file.name, file.read_bytes())

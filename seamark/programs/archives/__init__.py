@@ -6,8 +6,10 @@ under its SHA-256, and unpacked inside the sandbox.
 """
 
 import io
+import os
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 from seamark.programs.archives.names import NameRefused, Names
 from seamark.programs.archives.reading import ArchiveRefused, Member
@@ -15,7 +17,15 @@ from seamark.programs.archives.tar import members_of_tar_gz
 from seamark.programs.archives.zip import members_of_zip
 from seamark.sandbox.limits import Limits
 
-__all__ = ["SUFFIXES", "ArchiveRefused", "files_of", "is_archive", "normal_form", "read_normal"]
+__all__ = [
+    "SUFFIXES",
+    "ArchiveRefused",
+    "files_of",
+    "is_archive",
+    "normal_form",
+    "of_folder",
+    "read_normal",
+]
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
 DROPPED = ("__MACOSX", "__pycache__", ".git", ".DS_Store", "Thumbs.db", "desktop.ini")
@@ -78,6 +88,42 @@ def normal_form(files: Mapping[str, bytes], *, limits: Limits) -> bytes:
     if len(data) > limits.source_kib << 10:
         raise ArchiveRefused(_too_large(limits))
     return data
+
+
+def of_folder(folder: Path, *, limits: Limits) -> bytes:
+    """Return the files in a folder as `normal_form`, without what nobody would upload.
+
+    That is `DROPPED` and hidden files and folders. Reads no more than an archive may have.
+
+    Raises
+    ------
+    ArchiveRefused
+        There are no files, or too many or too large ones.
+    OSError
+        A file cannot be read.
+    """
+    files, size = dict[str, bytes](), 0
+    for path in _upload_of(folder):
+        if len(files) == limits.archive_files:
+            raise ArchiveRefused(f"The folder has more than {limits.archive_files} files.")
+        size += path.stat().st_size
+        if size > limits.source_kib << 10:
+            raise ArchiveRefused(f"The folder is larger than {limits.source_kib / 1024:g} MiB.")
+        files[path.relative_to(folder).as_posix()] = path.read_bytes()
+    if not files:
+        raise ArchiveRefused("The folder contains no files.")
+    return normal_form(files, limits=limits)
+
+
+def _upload_of(folder: Path) -> Iterator[Path]:
+    for parent, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not _left_at_home(name)]
+        paths = (Path(parent, name) for name in names if not _left_at_home(name))
+        yield from (path for path in paths if path.is_file())
+
+
+def _left_at_home(name: str) -> bool:
+    return name.startswith(".") or name in DROPPED
 
 
 def read_normal(data: bytes) -> dict[str, bytes]:

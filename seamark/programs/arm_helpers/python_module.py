@@ -14,7 +14,7 @@ _HEAD = '''\
 """Kinematics of the arms of Seamark: forward, its Jacobian, and inverse, in plain Python.
 
 `seamark init` wrote this file. You may use, modify and distribute it freely; it comes without any
-warranty. Upload it beside your program, in one archive with main.py:
+warranty. Keep it in one folder with your program, and upload the folder as an archive:
 
     from arm import arm_of, damped
 

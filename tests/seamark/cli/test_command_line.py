@@ -392,6 +392,30 @@ def test_every_language_with_a_controller_to_start_from_has_one_that_moves_an_ar
     assert [*starters(moves_arm=True)] == [*starters()]
 
 
+def test_a_folder_is_checked_as_the_archive_of_its_files(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "controller.py").write_text("import law\n\nclass Controler:\n    pass\n")
+    (folder / "law.py").write_text("x = (\n")
+
+    answer = seamark("check", str(folder))
+
+    assert answer.exit_code == 1
+    assert "controller.py:3: There is no class Controller" in answer.output
+    assert "law.py:1:5: '(' was never closed." in answer.output
+
+
+def test_a_folder_without_a_program_is_refused_with_the_names_that_one_may_have(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "notes.txt").write_text("nothing")
+
+    answer = seamark("run", "currents-v2", "--controller", str(tmp_path))
+
+    assert answer.exit_code == 1
+    assert "needs one of main.py (Python), controller.py (Python)" in answer.output
+
+
 @pytest.mark.slow
 def test_the_operator_can_replace_a_forgotten_password(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path / "d"))

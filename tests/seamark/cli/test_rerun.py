@@ -77,6 +77,7 @@ def one_number(text: str) -> str:
     return "".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "change", "says"),
     [

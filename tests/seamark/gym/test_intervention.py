@@ -17,6 +17,8 @@ from seamark.sim import registry
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import ARM_INDEX, ARM_JOINTS, INDEX, STEP_US
 
+pytestmark = pytest.mark.slow
+
 INTERVENTIONS = {
     gym_id: name for gym_id, name in BENCHMARKS.items() if registry.benchmark(name).moves_arm
 }

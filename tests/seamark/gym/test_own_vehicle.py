@@ -66,6 +66,7 @@ def test_another_file_is_another_vehicle(mine: Path) -> None:
     assert not np.array_equal(light, heavy)
 
 
+@pytest.mark.slow
 def test_each_process_reads_the_file_itself(mine: Path) -> None:
     env = gymnasium.make_vec(
         NAME,

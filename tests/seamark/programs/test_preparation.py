@@ -2,8 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from seamark.programs import preparation
+from seamark.programs import archives, preparation
 from seamark.programs.preparation import PreparedProgram, UploadRejected
+from seamark.sandbox.limits import Limits
 
 GOOD = b"class Controller(Base):\n    pass\n"
 STEP = "    def __init__(self, config): ...\n    def step(self, observation): ...\n"
@@ -92,3 +93,47 @@ def test_classes_that_are_bases_of_each_other_are_followed_once() -> None:
     source = "class A(Controller): pass\nclass Controller(A):\n" + STEP
 
     assert _clean(source.encode()).diagnostics == ()
+
+
+def test_a_folder_is_packed_as_the_archive_of_its_files_without_hidden_ones(tmp_path: Path) -> None:
+    files = {"controller.py": GOOD, "law/pid.py": b"x = 1\n"}
+    hidden = {".env": b"secret", ".venv/lib.py": b"y = 1\n", "__pycache__/law.pyc": b"\0"}
+    for name, content in (files | hidden).items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+
+    packed = archives.of_folder(tmp_path, limits=Limits())
+
+    assert packed == archives.normal_form(files, limits=Limits())
+    assert preparation.prepare(packed, "mine.zip").language == "python"
+
+
+@pytest.mark.parametrize(
+    ("limits", "says"),
+    [
+        (Limits(archive_files=2), "more than 2 files"),
+        (Limits(source_kib=1), "larger than 0.00097"),
+    ],
+)
+def test_a_folder_is_read_no_further_than_an_archive_may_go(
+    tmp_path: Path, limits: Limits, says: str
+) -> None:
+    for name in ("controller.py", "a.bin", "b.bin"):
+        (tmp_path / name).write_bytes(bytes(500))
+
+    with pytest.raises(archives.ArchiveRefused, match=says):
+        archives.of_folder(tmp_path, limits=limits)
+
+
+@pytest.mark.parametrize(
+    ("names", "language"),
+    [
+        (["controller.c", "controller.py"], "c"),
+        (["main.py", "controller.c"], "python"),
+        (["controller.py", "arm.py"], "python"),
+    ],
+)
+def test_the_main_file_of_an_archive_says_its_language(names: list[str], language: str) -> None:
+    packed = archives.normal_form(dict.fromkeys(names, GOOD), limits=Limits())
+
+    assert preparation.prepare(packed, "mine.zip").language == language

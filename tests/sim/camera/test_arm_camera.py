@@ -24,6 +24,7 @@ def motion(z: float = 1.6, joints: np.ndarray = AT_HOME) -> np.ndarray:
     return still
 
 
+@pytest.mark.slow
 def test_images_that_are_rendered_again_from_rows_are_those_of_the_run() -> None:
     config = registry.benchmark(BENCHMARK).read(SHORT)
     experiment = registry.benchmark(BENCHMARK).load()

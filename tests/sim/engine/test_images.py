@@ -111,6 +111,7 @@ def test_at_a_longer_control_period_each_observation_has_new_images() -> None:
     assert [seen.image_t for seen in kept] == [seen.t for seen in kept]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blur", [0.0, 0.02])
 def test_images_have_the_pixels_that_the_row_of_their_time_shows(blur: float) -> None:
     settings: dict[str, Any] = {"images": "both", "camera_exposure_s": blur}

@@ -459,6 +459,7 @@ def test_a_peg_beside_the_mouth_stays_outside(offset: float, chamfer: float) -> 
     assert peg(offset, chamfer=chamfer) < 0.003
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_an_arm_that_is_thrown_about_at_random_stays_in_one_piece_and_out_of_things(
     seed: int,

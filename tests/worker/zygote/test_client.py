@@ -116,6 +116,7 @@ def test_a_child_that_dies_without_an_outcome_is_a_failure_of_the_platform() -> 
         simulation.run(FakeListener(), lambda: None)
 
 
+@pytest.mark.slow
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from zipfile import ZipFile
 
 FOLDER = "/tmp/program"  # noqa: S108  (inside the box)
-MAIN = "main.py"
+MAINS = ("main.py", "controller.py", "tracker.py")  # the first that is there is the program
 MAGIC = b"PK\x03\x04"
 MAX_FILES = 1000
 MAX_BYTES = 64 << 20  # the real limit is the size of /tmp; declared sizes may be wrong
@@ -33,9 +33,9 @@ class Files:
         self.folder = ""
         if blob.startswith(MAGIC):
             self.folder = FOLDER + "/"
-            self.name, self.path = MAIN, self.folder + MAIN
-            self.source = unpacked(blob)
-            sys.path.insert(0, FOLDER)  # the modules beside main.py
+            self.name, self.source = unpacked(blob)
+            self.path = self.folder + self.name
+            sys.path.insert(0, FOLDER)  # the modules beside the main file
             os.chdir(FOLDER)  # and the data
             return
         lines = blob.decode("utf-8", "replace").splitlines(keepends=True)
@@ -50,8 +50,8 @@ class Files:
         return text.replace(self.folder, "") if self.folder else text
 
 
-def unpacked(blob: bytes) -> bytes:
-    """Unpack the archive into its folder; return main.py."""
+def unpacked(blob: bytes) -> tuple[str, bytes]:
+    """Unpack the archive into its folder; return name and content of its main file."""
     import zipfile  # noqa: PLC0415  (5 ms that a single file does not need)
     import zlib  # noqa: PLC0415
 
@@ -62,16 +62,18 @@ def unpacked(blob: bytes) -> bytes:
         raise ArchiveUnusable(f"The archive cannot be unpacked: {error}.") from None
 
 
-def unpack(archive: "ZipFile") -> bytes:
-    """Write all files below the folder; return main.py."""
+def unpack(archive: "ZipFile") -> tuple[str, bytes]:
+    """Write all files below the folder; return name and content of the main file."""
     entries = archive.infolist()
     if len(entries) > MAX_FILES or sum(entry.file_size for entry in entries) > MAX_BYTES:
         raise ArchiveUnusable("The archive has too many files or too much in them.")
     for entry in entries:
         write(entry.filename, archive.read(entry))
-    if MAIN not in archive.namelist():
-        raise ArchiveUnusable(f"The archive has no {MAIN} at its top.")
-    return archive.read(MAIN)
+    names = set(archive.namelist())
+    for main in MAINS:
+        if main in names:
+            return main, archive.read(main)
+    raise ArchiveUnusable(f"The archive has none of {', '.join(MAINS)} at its top.")
 
 
 def write(name: str, content: bytes) -> None:

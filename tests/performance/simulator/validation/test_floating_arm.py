@@ -105,6 +105,7 @@ def test_the_interval_of_equal_errors_is_that_error() -> None:
     assert fit.interval(errors, [0.5 * each for each in errors]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "said"), [(0.2, "and better than"), (1.0, "no better than"), (3.0, "but worse than")]
 )

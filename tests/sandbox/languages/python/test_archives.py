@@ -27,6 +27,15 @@ class Controller:
         return answer(self.gain)
 """
 GOOD = "def answer(gain):\n    return [gain, 0.0, 0.0, 0.0]\n"
+ALONE = b"""
+from law import answer
+
+class Controller:
+    def __init__(self, config):
+        pass
+    def step(self, observation):
+        return answer(0.5)
+"""
 LIMITS = Limits()
 
 
@@ -47,6 +56,14 @@ def test_modules_and_data_of_an_archive_are_there(box: Box) -> None:
 
     assert box.step([0.0]) == (0.25, 0.0, 0.0, 0.0)
     assert box.take_output() == b"beside 0.25\n"
+
+
+def test_an_archive_may_have_controller_py_instead_of_main_py(box: Box) -> None:
+    alone = normal_form({"controller.py": ALONE, "law.py": GOOD.encode()}, limits=LIMITS)
+
+    box.load(alone, "mine.zip", {}, LAYOUT)
+
+    assert box.step([0.0]) == (0.5, 0.0, 0.0, 0.0)
 
 
 def test_a_program_may_copy_its_files_with_their_attributes(box: Box) -> None:

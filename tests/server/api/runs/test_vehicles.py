@@ -22,6 +22,8 @@ from tests.server.api.conftest import Site
 from tests.server.api.test_api import RUNS, problem_of
 from tests.sim.vehicles.hostile_files import HOSTILE
 
+pytestmark = pytest.mark.slow
+
 NAME = f"mine@{hashlib.sha256(VEHICLE.encode()).hexdigest()[:16]}"
 PRACTICE = {"benchmark": "currents-v2", "controller": "pi"}
 IMPOSSIBLE = (

@@ -3,6 +3,7 @@
 import io
 import re
 
+import pytest
 from werkzeug.test import TestResponse
 
 from seamark.server.runs.data import retention
@@ -11,6 +12,8 @@ from tests.cast import VEHICLE
 from tests.server.classes.class_cast import assign, classroom
 from tests.server.pages.conftest import Site
 from tests.server.programs.test_vehicles import NAME, SHA256, unused_deleted
+
+pytestmark = pytest.mark.slow
 
 FORM = "/submit/currents-v2"
 

@@ -86,6 +86,7 @@ def test_the_handle_turns_by_more_than_what_is_asked_both_ways() -> None:
     assert span.value[0] < -np.radians(170.0) < np.radians(170.0) < span.value[1]
 
 
+@pytest.mark.slow
 def test_the_same_trial_gives_the_same_bytes_twice() -> None:
     assert digest(run()) == digest(run())
     assert digest(run()) != digest(run(seed=2027))
