@@ -30,6 +30,7 @@ from seamark.sim.numerics.simd import (
     select_greater,
     store,
 )
+from seamark.sim.numerics.uncounted import uncounted
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
@@ -66,6 +67,8 @@ class Layers(NamedTuple):
     mark: Plane  # (n,) 0 for the seabed
     span: Integers  # (rows, 2) columns that bodies may touch
     edges: Edges
+    changed: Plane  # (1, 16) which of sixteen pixels are at an edge
+    faces: Plane  # (2, NEIGHBOURS + 1) mark and brightness of what a pixel at an edge may show
 
 
 def layers_for(width: int) -> Layers:
@@ -74,7 +77,15 @@ def layers_for(width: int) -> Layers:
     size = 3 * (STRIP + width) + 6 * HALO + 2 * HALO * (STRIP // CHUNK)
     edges = Edges(np.zeros(size, np.int64), np.zeros(size, np.int64), np.zeros(size, np.float32))
     depth, tone, mark = (np.zeros(size, np.float32) for _ in range(3))
-    return Layers(depth, tone, mark, np.zeros((STRIP // CHUNK + 2, 2), np.int64), edges)
+    return Layers(
+        depth,
+        tone,
+        mark,
+        np.zeros((STRIP // CHUNK + 2, 2), np.int64),
+        edges,
+        np.zeros((1, WIDTH), np.float32),
+        np.zeros((2, NEIGHBOURS + 1), np.float32),
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -115,7 +126,7 @@ def draw_bodies(
         _draw_middles(instant, k, texels, (top, left), planes, layers.span)
     lit = light.reshape(height, width)
     count = _compose(instant, (row, start), planes, layers, lit)
-    _draw_edges(instant, (row, start, count), (tones, marks), layers.edges, lit)
+    _draw_edges(instant, (row, start, count), (tones, marks), layers, lit)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -125,7 +136,7 @@ def depths(layers: Layers, height: int, width: int) -> Plane:
     return layers.depth[: shape[0] * shape[1]].reshape(shape)[1:-1, HALO:-HALO]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def draw_glow(
     instant: Instant,
     extent: tuple[int, int, int],
@@ -148,7 +159,7 @@ def draw_glow(
             store(lit, r, q, load(lit, r, q) + white * back)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _clear(
     ground: Ground, corner: tuple[int, int], span: tuple[int, int], depth: Plane, marks: Plane
 ) -> None:
@@ -166,7 +177,7 @@ def _clear(
             store(marks, r, q, zero)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _draw_middles(
     instant: Instant,
     k: int,
@@ -182,7 +193,7 @@ def _draw_middles(
     body, kind = body_at(seen.numbers, k), seen.kind[k]
     lens, lighting = instant.lens, instant.lighting
     inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
-    steps = load(rows.STEPS, 0, 0)
+    steps, zero, one = load(rows.STEPS, 0, 0), f32x16(0.0), f32x16(1.0)
     last = min(seen.window[k, 3], top + depth.shape[0])
     for v in range(max(seen.window[k, 1], top), last):
         a, b = columns_seen(seen, k, v)
@@ -195,6 +206,9 @@ def _draw_middles(
             d = ray(body, x, y)
             hits = hit(kind, body, d)
             before = load(depth, r, q)
+            nearer = select_greater(before, hits[0], one, zero)
+            if horizontal_sum(nearer) == 0.0:
+                continue
             radiance = tone(body, d, hits, texels, lighting)
             store(depth, r, q, select_greater(before, hits[0], hits[0], before))
             store(tones, r, q, select_greater(before, hits[0], radiance, load(tones, r, q)))
@@ -202,7 +216,7 @@ def _draw_middles(
             store(marks, r, q, select_greater(before, hits[0], name, load(marks, r, q)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _compose(
     instant: Instant,
     corner: tuple[int, int],
@@ -219,8 +233,7 @@ def _compose(
     lens, lighting = instant.lens, instant.lighting
     inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
     steps, half = load(rows.STEPS, 0, 0), f32x16(0.5)
-    changed = np.empty((1, WIDTH), np.float32)
-    count, edge, span = 0, layers.edges, layers.span
+    count, edge, span, changed = 0, layers.edges, layers.span, layers.changed
     height, width = light.shape
     for r in range(-1, height + 1):
         y = f32x16((row + r - lens[2]) / lens[0])
@@ -259,7 +272,7 @@ def _touched(span: Integers, r: int, last: int) -> tuple[int, int]:
     return first - WIDTH, max(span[r, 1], span[above, 1], span[below, 1]) + WIDTH
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _listed(changed: Plane, at: tuple[int, int], light: Plane, edge: Edges, count: int) -> int:
     """List the pixels of sixteen that have changed, from a row and a column on."""
     r, q = at
@@ -309,12 +322,12 @@ def _others(
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _draw_edges(
     instant: Instant,
     at: tuple[int, int, int],
     planes: tuple[Plane, Plane],
-    edge: Edges,
+    layers: Layers,
     light: Plane,
 ) -> None:
     """Write the pixels at edges: each is the mean of sixteen places in it.
@@ -325,11 +338,11 @@ def _draw_edges(
     """
     row, start, count = at
     tones, marks = planes
+    edge, faces = layers.edges, layers.faces
     g, lens, seen = instant.ground.map, instant.lens, instant.seen
     inverse_f, u0, v0 = f32x16(1.0 / lens[0]), f32x16(lens[1]), f32x16(lens[2])
     zero, half, one, least = f32x16(0.0), f32x16(0.5), f32x16(1.0), f32x16(LEAST)
     across, down = load(PLACES, 0, 0), load(PLACES, 1, 0)
-    faces = np.empty((2, NEIGHBOURS + 1), np.float32)
     for k in range(count):
         r, q = edge.row[k], edge.column[k]
         own = marks[r + 1, q + HALO]

@@ -28,6 +28,7 @@ from seamark.sim.numerics.simd import (
     to_f32,
     to_i32,
 )
+from seamark.sim.numerics.uncounted import uncounted
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
@@ -70,7 +71,7 @@ def ground_from(sight: Sight, seabed_m: float, mean: float, intrinsics: Array) -
     return Ground(g, (int(north) - BIAS, int(east) - BIAS), detail, mean)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def draw_seabed(
     ground: Ground,
     tile: Texels,

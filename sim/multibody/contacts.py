@@ -9,6 +9,7 @@ from seamark.sim.multibody.distances import (
     common_stretch,
     middle_of_passage,
     nearest_on_segment,
+    past_box,
     point_box,
     point_cylinder,
     point_socket,
@@ -36,6 +37,7 @@ from seamark.sim.multibody.vectors import (
 )
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.lanes import like, select, some, sqrt
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.physics.terrain import Mounds, height_and_slope
 
 # Kinds of shapes. Capsules and cylinders lie along their x axis; a sphere is a short capsule.
@@ -52,6 +54,8 @@ SLOTS = {
     (CYLINDER, SOCKET): 7,
 }
 MARGIN_M = 0.01  # a gap above it is no contact: more than shapes approach each other in a step
+_ROUNDING_M = 1e-6  # more than the error of a distance
+_LEANING_M = 0.001  # capsules that count as parallel are at most so much nearer at an end
 _SAME_POINT = 0.01  # share of a segment's half: nearer to its end is the end
 _STEEP = 0.1  # least cosine of the angle between the axes of a cylinder and of its hole
 _UPRIGHT = 1e-6  # sine of the angle below which a circle lies in a plane across
@@ -98,7 +102,7 @@ def touches_for(shapes: int, slots: int, lanes: tuple[int, ...] = ()) -> Touches
     return zeros(Touches, sizes, lanes)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def place_shapes(shapes: Shapes, frames: Frames, to: Touches) -> None:
     """Write centre and axes of all shapes in the world."""
     for k in range(shapes.kind.size):
@@ -128,13 +132,12 @@ def _put_touch(slot: int, touch: Touch, to: Touches) -> None:
     to.gap[slot] = gap
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def find_touches(shapes: Shapes, ground: Mounds, to: Touches) -> None:
     """Write the contacts of all pairs; `place_shapes` has been called."""
-    # Lanes without a contact in a slot that others use must have numbers there.
-    zero = like(to.gap[0], 0.0)
+    far = like(to.gap[0], 2.0 * MARGIN_M)
     for slot in range(to.gap.size):
-        _put_touch(slot, ((zero, zero, zero), (zero, zero, zero - 1.0), zero + 2.0 * MARGIN_M), to)
+        to.gap[slot] = far
     for pair in range(shapes.first.size):
         a, b, slot = shapes.first[pair], shapes.second[pair], shapes.slot[pair]
         if shapes.kind[b] == GROUND:
@@ -142,10 +145,35 @@ def find_touches(shapes: Shapes, ground: Mounds, to: Touches) -> None:
             if some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > top):
                 _touch_ground(a, slot, shapes, ground, to)
             continue
-        apart = minus(three(to.centre, a, 0), three(to.centre, b, 0))
-        reach = shapes.reach[a] + shapes.reach[b] + MARGIN_M
-        if some(dot(apart, apart) < reach * reach):
+        if _may_touch(a, b, shapes, to):
             _touch_pair(a, b, slot, shapes, to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _may_touch(a: int, b: int, shapes: Shapes, to: Touches) -> bool:
+    """Return whether two primitives may be nearer than the margin, in any of the lanes.
+
+    By their spheres; then by the sphere of the first and the box, or the box around the cylinder:
+    the sphere of a long one reaches far beyond its sides.
+    """
+    apart = minus(three(to.centre, a, 0), three(to.centre, b, 0))
+    reach = shapes.reach[a] + shapes.reach[b] + MARGIN_M
+    if not some(dot(apart, apart) < reach * reach):
+        return False
+    if shapes.kind[b] != BOX and shapes.kind[b] != CYLINDER:
+        return True
+    beyond = past_box(rotate_back(to.turned, b, apart), _half_lengths(b, shapes))
+    reach = shapes.reach[a] + (MARGIN_M + _ROUNDING_M)
+    return some(dot(beyond, beyond) < reach * reach)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _half_lengths(b: int, shapes: Shapes) -> Vector:
+    """Return half lengths along the axes of a box, or of a cylinder."""
+    half = three(shapes.size, b, 0)
+    if shapes.kind[b] == CYLINDER:
+        half = (half[1], half[0], half[0])
+    return half
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -186,7 +214,7 @@ def _touch_ground(a: int, slot: int, shapes: Shapes, ground: Mounds, to: Touches
                 _put_touch(slot + 3 * end + k, _sphere_ground(p, zero, ground), to)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _sphere_ground(p: Vector, radius: float, ground: Mounds) -> Touch:
     """Return the touch of a sphere and the bottom, which is taken as flat around it."""
     height, north, east = height_and_slope(p[0], p[1], ground)
@@ -206,7 +234,7 @@ def _corner(a: int, corner: int, shapes: Shapes, to: Touches) -> Vector:
     return plus(three(to.centre, a, 0), rotate(to.turned, a, (x, y, z)))
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _rim_point(middle: Vector, axis: Vector, wanted: Vector, radius: float, k: int) -> Vector:
     """Return a point of a circle: the farthest in a direction (k = 0), or 120 degrees beside it."""
     towards = rim_direction(wanted, axis)
@@ -217,7 +245,7 @@ def _rim_point(middle: Vector, axis: Vector, wanted: Vector, radius: float, k: i
     return plus(middle, times(towards, radius))
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _nearer(one: Touch, two: Touch) -> Touch:
     """Return the touch with the smaller gap; the first of equal ones."""
     first = one[2] <= two[2]
@@ -228,7 +256,7 @@ def _nearer(one: Touch, two: Touch) -> Touch:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _rim_at(middle: Vector, axis: Vector, deep: Vector, x: float, radius: float) -> Vector:
     """Return where a circle crosses a plane of that x, or is nearest; elsewhere with -radius."""
     towards = rim_direction(deep, axis)
@@ -246,13 +274,21 @@ def _touch_capsules(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> N
     along_a = times(column(to.turned, a, 0), shapes.size[a, 1])
     along_b = times(column(to.turned, b, 0), shapes.size[b, 1])
     s, t = segments(centre_a, along_a, centre_b, along_b)
+    nearest = spheres(
+        plus(centre_a, times(along_a, s)),
+        shapes.size[a, 0],
+        plus(centre_b, times(along_b, t)),
+        shapes.size[b, 0],
+    )
+    _put_touch(slot, nearest, to)
+    if not some(nearest[2] < MARGIN_M + _LEANING_M):
+        return
     first, first_b, last, last_b, exists = common_stretch(centre_a, along_a, centre_b, along_b)
-    for k in range(3):
-        one, two = (s, t) if k == 0 else (first, first_b) if k == 1 else (last, last_b)
+    for k in range(1, 3):
+        one, two = (first, first_b) if k == 1 else (last, last_b)
         p, q = plus(centre_a, times(along_a, one)), plus(centre_b, times(along_b, two))
         point, normal, gap = spheres(p, shapes.size[a, 0], q, shapes.size[b, 0])
-        if k > 0:
-            gap = select(exists, gap, 2.0 * MARGIN_M)
+        gap = select(exists, gap, 2.0 * MARGIN_M)
         _put_touch(slot + k, (point, normal, gap), to)
 
 
@@ -262,10 +298,8 @@ def _touch_capsule_solid(a: int, b: int, slot: int, shapes: Shapes, to: Touches)
 
     Along a face or a side that is a stretch, so it has two ends.
     """
-    half, radius = three(shapes.size, b, 0), shapes.size[a, 0]
+    half, radius = _half_lengths(b, shapes), shapes.size[a, 0]
     is_round = shapes.kind[b] == CYLINDER
-    if is_round:
-        half = (half[1], half[0], half[0])
     away = minus(three(to.centre, a, 0), three(to.centre, b, 0))
     middle = rotate_back(to.turned, b, away)
     along = rotate_back(to.turned, b, times(column(to.turned, a, 0), shapes.size[a, 1]))
@@ -287,7 +321,7 @@ def _touch_capsule_solid(a: int, b: int, slot: int, shapes: Shapes, to: Touches)
         _put_touch(slot + k, (point, normal, gap), to)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _sphere_box(p: Vector, radius: float, b: int, half: Vector, to: Touches) -> Touch:
     """Return the touch of a sphere at p, in the axes of box b, and that box."""
     normal, distance = point_box(p, half)
@@ -317,7 +351,7 @@ def _touch_boxes(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> None
     _touch_box(b, a, slot + 20, -1.0, shapes, to)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _touch_box(a: int, b: int, slot: int, sign: float, shapes: Shapes, to: Touches) -> None:
     """Write the touches of a's corners and edges with b; `sign` -1 if the normal pushes b."""
     half = three(shapes.size, b, 0)
@@ -383,7 +417,7 @@ def _touch_socket(a: int, b: int, slot: int, shapes: Shapes, to: Touches) -> Non
     _put_touch(slot + 6, _nearer(one, two), to)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _socket_point(p: Vector, b: int, socket: Vector, to: Touches) -> Touch:
     normal, gap = point_socket(p, socket)
     world = plus(three(to.centre, b, 0), rotate(to.turned, b, p))

@@ -87,13 +87,22 @@ def point_cylinder(p: Vector, half: Vector) -> tuple[Vector, float]:
 @njit(cache=True, error_model="numpy")
 def _beyond(p: Vector, half: Vector, is_round: bool) -> Vector:
     """Return the vector to a point from the nearest of a box, or of a cylinder along x."""
-    x = p[0] - clamped(p[0], -half[0], half[0])
     if is_round:
+        x = p[0] - clamped(p[0], -half[0], half[0])
         off = sqrt(p[1] * p[1] + p[2] * p[2])
         share = larger(off - half[1], like(off, 0.0)) / larger(off, half[1])
         return x, p[1] * share, p[2] * share
-    y, z = p[1] - clamped(p[1], -half[1], half[1]), p[2] - clamped(p[2], -half[2], half[2])
-    return x, y, z
+    return past_box(p, half)
+
+
+@njit(cache=True, error_model="numpy")
+def past_box(p: Vector, half: Vector) -> Vector:
+    """Return the vector to a point from the nearest of a box around the origin."""
+    return (
+        p[0] - clamped(p[0], -half[0], half[0]),
+        p[1] - clamped(p[1], -half[1], half[1]),
+        p[2] - clamped(p[2], -half[2], half[2]),
+    )
 
 
 @njit(cache=True, error_model="numpy")

@@ -16,12 +16,14 @@ from seamark.sim.multibody.vectors import (
     times,
 )
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import like
+from seamark.sim.numerics.uncounted import uncounted
 
 
-@njit(cache=True, error_model="numpy")
-def write_loads(timing: Timing, model: Model, state: State, work: Work, out: Array) -> None:
+@uncounted
+def write_loads(
+    timing: Timing, model: Model, state: State, work: Work, out: Array, first: int = 0
+) -> None:
     """Write the wrench that each joint has transmitted to its link in the last step.
 
     Parameters
@@ -31,19 +33,18 @@ def write_loads(timing: Timing, model: Model, state: State, work: Work, out: Arr
     out : (k, 6) [N, N m]
         About the link's origin in its axes, from its parent; of a free link what is left over,
         which is zero but for rounding, if nothing but water, weight, thrusters and contacts act.
+    first
+        Of the links before this one nothing is written.
     """
-    model, state, work = borrowed(model), borrowed(state), borrowed(work)
     parents = model.structure.parent
     for i in range(parents.size):
         _accelerate(i, parents[i], model, work)
+    _write_inertia(first, model, work)
+    _take_contacts(first, timing.step_s, model, state, work)
+    for i in range(parents.size - 1, first - 1, -1):
         for a in range(6):
-            out[i, a] = work.frames.wrench[i, a]
-    _write_inertia(model, work)
-    _take_contacts(timing.step_s, model, state, work)
-    for i in range(parents.size - 1, -1, -1):
-        for a in range(6):
-            out[i, a] += work.frames.twist[i, a]
-        if parents[i] != WORLD:
+            out[i, a] = work.frames.wrench[i, a] + work.frames.twist[i, a]
+        if parents[i] >= first:
             _hand_on(i, parents[i], work)
 
 
@@ -86,10 +87,10 @@ def _accelerate(i: int, parent: int, model: Model, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _write_inertia(model: Model, work: Work) -> None:
+def _write_inertia(first: int, model: Model, work: Work) -> None:
     """Write what each link by itself needs for its acceleration, over its twist."""
     frames = work.frames
-    for i in range(model.structure.parent.size):
+    for i in range(first, model.structure.parent.size):
         for a in range(6):
             frames.twist[i, a] = like(frames.twist[i, a], 0.0)
             for b in range(6):
@@ -97,15 +98,18 @@ def _write_inertia(model: Model, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _take_contacts(step_s: float, model: Model, state: State, work: Work) -> None:
+def _take_contacts(first: int, step_s: float, model: Model, state: State, work: Work) -> None:
     """Take away what contacts give to each link."""
-    shapes, touches = model.shapes, work.touches
-    for pair in range(shapes.first.size):
-        for slot in range(shapes.slot[pair], shapes.slot[pair + 1]):
-            force = contact_force(slot, step_s, state, work)
-            point = three(touches.point, slot, 0)
-            _take(shapes.link[shapes.first[pair]], force, point, work)
-            _take(shapes.link[shapes.second[pair]], times(force, -1.0), point, work)
+    shapes, solving = model.shapes, work.solving
+    for at in range(solving.in_use[0]):
+        slot, pair = solving.used[at], solving.pair_of[at]
+        force = contact_force(slot, step_s, state, work)
+        point = three(work.touches.point, slot, 0)
+        one, other = shapes.link[shapes.first[pair]], shapes.link[shapes.second[pair]]
+        if one >= first:
+            _take(one, force, point, work)
+        if other >= first:
+            _take(other, times(force, -1.0), point, work)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -120,8 +124,6 @@ def contact_force(slot: int, step_s: float, state: State, work: Work) -> Vector:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _take(link: int, force: Vector, point: Vector, work: Work) -> None:
-    if link == WORLD:
-        return
     frames = work.frames
     arm = rotate_back(frames.rotation, link, minus(point, three(frames.position, link, 0)))
     own = rotate_back(frames.rotation, link, force)
@@ -131,10 +133,9 @@ def _take(link: int, force: Vector, point: Vector, work: Work) -> None:
         frames.twist[link, 3 + a] -= torque[a]
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def write_pair_forces(timing: Timing, model: Model, state: State, work: Work, out: Array) -> None:
     """Write the sum of the normal forces in each pair of shapes in the last step, (m,) [N]."""
-    model, state = borrowed(model), borrowed(state)
     for pair in range(model.shapes.first.size):
         out[pair] = like(out[pair], 0.0)
         for slot in range(model.shapes.slot[pair], model.shapes.slot[pair + 1]):

@@ -442,7 +442,7 @@ def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
         "size": (slots, 2),
         "aim": (slots, 2),
     }
-    integers = {"used": (slots,), "pair_of": (slots,)}
+    integers = {"used": (slots,), "pair_of": (slots,), "in_use": (1,)}
     return Work(
         frames=frames_for(len(model.structure.parent), n, lanes),
         touches=touches_for(max(1, len(model.shapes.kind)), slots, lanes),

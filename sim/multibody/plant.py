@@ -16,8 +16,8 @@ from seamark.sim.multibody.tree import WORLD, place
 from seamark.sim.multibody.vectors import Vector, cross, dot, minus, rotate, three
 from seamark.sim.multibody.workpiece import MEASURED, Workpiece, measure, points_of
 from seamark.sim.numerics.arrays import Array, Integers
-from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.compilation import SameTypes
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.physics.current import RELATIVE, Current, Water, segment_at
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.physics.plant import Plant
@@ -242,7 +242,7 @@ def _part(shape: str, assembly: Assembly, workpiece: Workpiece | None) -> int:
     return ARM if shape in assembly.arm else REST
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def advance_and_measure(
     span: tuple[int, int],
     timing: Timing,
@@ -254,24 +254,21 @@ def advance_and_measure(
     gauges: Gauges,
 ) -> None:
     """Advance a mechanism as `step.advance` does, and add up what its gauges read."""
-    model, state, command = borrowed(model), borrowed(state), borrowed(command)
-    work, gauges = borrowed(work), borrowed(gauges)
     (first, steps), (water, ground) = span, around
     for done in range(steps):
         t = (first + done) * timing.step_s + 0.5 * timing.step_s
         segment = segment_at(t, water.drift)
         take_step(t, timing, model, state, command, (water, segment), ground, work)
-        write_loads(timing, model, state, work, gauges.loads)
-        _add_wrench(gauges)
+        if gauges.link[0] != WORLD:
+            write_loads(timing, model, state, work, gauges.loads, gauges.link[0])
+            _add_wrench(gauges)
         _add_efforts(timing.step_s, command.speed.size, state, gauges)
         _add_contacts(timing.step_s, command.speed.size, model, state, work, gauges)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _add_wrench(gauges: Gauges) -> None:
     link = gauges.link[0]
-    if link == WORLD:
-        return
     force = three(gauges.loads, link, 0)
     lever = (gauges.point[0], gauges.point[1], gauges.point[2])
     torque = minus(three(gauges.loads, link, 3), cross(lever, force))
@@ -281,35 +278,35 @@ def _add_wrench(gauges: Gauges) -> None:
             gauges.sums[3 + i] += gauges.turn[j, i] * torque[j]
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _add_efforts(step_s: float, motors: int, state: State, gauges: Gauges) -> None:
     """Add what the motors give; their rows are the first."""
     for i in range(motors):
         gauges.sums[_EFFORT + i] += state.impulses.joint[i] / step_s
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def _add_contacts(
     step_s: float, motors: int, model: Model, state: State, work: Work, gauges: Gauges
 ) -> None:
-    shapes, total = model.shapes, gauges.force
+    shapes, solving, total = model.shapes, work.solving, gauges.force
     total[:] = 0.0
-    for pair in range(shapes.first.size):
+    for at in range(solving.in_use[0]):
+        slot, pair = solving.used[at], solving.pair_of[at]
+        if state.impulses.contact[slot, 0] == 0.0:
+            continue
         a, b = gauges.part[shapes.first[pair]], gauges.part[shapes.second[pair]]
-        for slot in range(shapes.slot[pair], shapes.slot[pair + 1]):
-            if state.impulses.contact[slot, 0] == 0.0:
-                continue
-            force = contact_force(slot, step_s, state, work)
-            size = math.sqrt(dot(force, force))
-            for part in (a, b):
-                if part >= 0:
-                    gauges.sums[_EFFORT + motors + part] += size
-            sign = (1.0 if a == HULL else 0.0) - (1.0 if b == HULL else 0.0)
-            for i in range(3):
-                total[i] += sign * force[i]
-            if _of_arm(a) != _of_arm(b):
-                total[3] += size
-            _add_work(a, b, force, size, gauges)
+        force = contact_force(slot, step_s, state, work)
+        size = math.sqrt(dot(force, force))
+        for part in (a, b):
+            if part >= 0:
+                gauges.sums[_EFFORT + motors + part] += size
+        sign = (1.0 if a == HULL else 0.0) - (1.0 if b == HULL else 0.0)
+        for i in range(3):
+            total[i] += sign * force[i]
+        if _of_arm(a) != _of_arm(b):
+            total[3] += size
+        _add_work(a, b, force, size, gauges)
     gauges.sums[_HULL] += math.sqrt(total[0] * total[0] + total[1] * total[1] + total[2] * total[2])
     gauges.sums[_PEAK] = max(gauges.sums[_PEAK], total[3])
 

@@ -3,29 +3,26 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from seamark.sim.multibody.assembly import Assembly
 from seamark.sim.multibody.mechanism import state_for, work_for
 from seamark.sim.multibody.tree import FREE, Frames, Links, Structure, place, write_bias
 from seamark.sim.multibody.workpiece import MOTION
-from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.compilation import SameTypes
-from seamark.sim.physics.dynamics import RIGID
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.physics.pose import write_pose
 
 VEHICLE_MOTION = 12  # numbers: pose and velocities
 _STEP_S = 1.0  # of the model, which does not move
 
 
-class _Joint(NamedTuple):
-    """A joint and the motor that it goes with."""
+class _Motion(NamedTuple):
+    """Where the numbers of a motion belong."""
 
-    coordinate: int
-    speed: int
-    motor: int
-    ratio: float
+    joints: Integers  # (j, 3) coordinate, degree of freedom and motor of each joint
+    ratio: Array  # (j,) of the joint's speed to its motor's
+    work: Integers  # (3,) coordinate and degree of freedom of a workpiece, 1 if it is free; or (0,)
 
 
 class Posture:
@@ -36,19 +33,26 @@ class Posture:
         mechanism = assembly.mechanism
         self._model = mechanism.model(_STEP_S)
         self._state, self._frames = state_for(self._model), work_for(self._model).frames
-        self._push, self._rigid = np.zeros(6), np.zeros(RIGID)
+        self._push = np.zeros(6)
         structure = self._model.structure
         followed = {one.link: (one.other, one.ratio) for one in mechanism.couplings}
-        self._joints = []
+        joints, ratios = [], []
         for number, link in enumerate(mechanism.links):
             motor, ratio = followed.get(link.name, (link.name, 1.0))
             if motor in assembly.motors:
-                at = int(structure.coordinate[number]), int(structure.speed[number])
-                self._joints.append(_Joint(*at, assembly.motors.index(motor), ratio))
-        self._work = None if workpiece is None else mechanism.number(workpiece)
-        if self._work is not None:
-            self._free = bool(structure.joint[self._work] == FREE)
-            self._at = int(structure.coordinate[self._work]), int(structure.speed[self._work])
+                at = structure.coordinate[number], structure.speed[number]
+                joints.append((*at, assembly.motors.index(motor)))
+                ratios.append(ratio)
+        work = []
+        if workpiece is not None:
+            number = mechanism.number(workpiece)
+            free = structure.joint[number] == FREE
+            work = [structure.coordinate[number], structure.speed[number], free]
+        self._belong = _Motion(
+            np.array(joints, np.int64).reshape(-1, 3),
+            np.array(ratios, np.float64),
+            np.array(work, np.int64),
+        )
         self._place = SameTypes(place_and_move)
 
     def place(self, motion: Array) -> tuple[Array, Array, Array]:
@@ -66,34 +70,51 @@ class Posture:
         (k, 3, 3), (k, 3), (k, 6)
             Rotations to world axes, positions NED [m], twists over ground in the link's axes.
         """
-        q, v = self._state.q, self._state.v
-        if self._work is not None:
-            motion, work = np.split(motion, [-MOTION])
-            self._place_work(work)
-        joints, speeds = np.split(motion[VEHICLE_MOTION:], 2)
-        write_pose(np.array(motion[:6]), self._rigid)
-        q[:7], v[:6] = self._rigid[:7], motion[6:12]
-        for joint in self._joints:
-            q[joint.coordinate] = joint.ratio * joints[joint.motor]
-            v[joint.speed] = joint.ratio * speeds[joint.motor]
-        model, frames = self._model, self._frames
-        self._place.call(model.structure, model.links, q, v, self._push, frames)
+        model, frames, moving = self._model, self._frames, (self._state.q, self._state.v)
+        # A copy, of the type that is compiled for: a motion may be read-only or strided.
+        own = np.array(motion, np.float64)
+        self._place.call(
+            own, self._belong, model.structure, model.links, moving, self._push, frames
+        )
         return frames.rotation, frames.position, frames.twist
 
-    def _place_work(self, work: Array) -> None:
-        (coordinate, speed), q, v = self._at, self._state.q, self._state.v
-        if not self._free:
-            q[coordinate], v[speed] = work[12:MOTION]
-            return
-        write_pose(np.array(work[:6]), self._rigid)
-        q[coordinate : coordinate + 7], v[speed : speed + 6] = self._rigid[:7], work[6:12]
 
-
-@njit(cache=True, error_model="numpy")
+@uncounted
 def place_and_move(
-    structure: Structure, links: Links, q: Array, v: Array, push: Array, frames: Frames
+    motion: Array,
+    belong: _Motion,
+    structure: Structure,
+    links: Links,
+    moving: tuple[Array, Array],
+    push: Array,
+    frames: Frames,
 ) -> None:
-    """Write rotations, positions and twists over ground of all links, in water at rest."""
-    frames = borrowed(frames)
+    """Write rotations, positions and twists over ground of all links, in water at rest.
+
+    `moving` are coordinates and speeds, which take the motion.
+    """
+    q, v = moving
+    end = motion.size
+    if belong.work.size:
+        end -= MOTION
+        coordinate, speed, free = belong.work[0], belong.work[1], belong.work[2]
+        if free:
+            _place_free(motion[end:], q[coordinate:], v[speed:])
+        else:
+            q[coordinate], v[speed] = motion[end + 12], motion[end + 13]
+    _place_free(motion, q, v)
+    motors = (end - VEHICLE_MOTION) // 2
+    for i in range(belong.ratio.size):
+        joint = VEHICLE_MOTION + belong.joints[i, 2]
+        q[belong.joints[i, 0]] = belong.ratio[i] * motion[joint]
+        v[belong.joints[i, 1]] = belong.ratio[i] * motion[joint + motors]
     place(structure, links, q, frames)
     write_bias(structure, links, v, push, frames)
+
+
+@uncounted
+def _place_free(motion: Array, q: Array, v: Array) -> None:
+    """Write pose and velocities, the first twelve numbers, to the first of q and v."""
+    write_pose(motion, q)
+    for a in range(6):
+        v[a] = motion[6 + a]

@@ -29,6 +29,7 @@ from seamark.sim.multibody.vectors import (
 )
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.lanes import like, select, some, sqrt
+from seamark.sim.numerics.uncounted import uncounted
 
 MOTOR, FRICTION, LOWER, UPPER, COUPLING = 0, 1, 2, 3, 4
 
@@ -107,8 +108,9 @@ class Solving(NamedTuple):
     row: Array  # (3 s, c) rows of contacts
     size: Array  # (s, 2) effective inverse masses: normal, friction
     aim: Array  # (s, 2) speed that a contact tends to, negative; its compliance
-    used: Integers  # (s,) slots in use
+    used: Integers  # (s,) slots in use, by their numbers
     pair_of: Integers  # (s,)
+    in_use: Integers  # (1,) how many those are; the contact impulses of all others are zero
 
 
 STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
@@ -196,7 +198,7 @@ def _prepare_joints(
         impulses.joint[r] = smaller(larger(impulses.joint[r], low), high)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def soft_row(stiffness: float, step_s: float) -> tuple[float, float]:
     """Return the share of an error that a spring takes back in a step, and its compliance.
 
@@ -257,10 +259,12 @@ def _prepare_contacts(
         chain = _chain_of(rows.speed.size + pair, rows)
         for slot in range(shapes.slot[pair], last):
             near = touches.gap[slot] < MARGIN_M
+            if not some(near):
+                for a in range(3):
+                    impulses.contact[slot, a] = like(touches.gap[slot], 0.0)
+                continue
             for a in range(3):
                 impulses.contact[slot, a] = select(near, impulses.contact[slot, a], 0.0)
-            if not some(near):
-                continue
             work.used[count] = slot
             work.pair_of[count] = pair
             count += 1
@@ -289,6 +293,7 @@ def _prepare_contacts(
             work.size[slot, 1] = larger(mean + sqrt(half * half + both * both), least)
             work.aim[slot, 0] = select(free, gap, gap * share) / step_s
             work.aim[slot, 1] = soft
+    work.in_use[0] = count
     return count
 
 
@@ -309,6 +314,16 @@ def _push(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _rests(kind: int, change: float, old: float) -> bool:
+    """Return whether a row is a limit from which a joint stays away: its impulse remains zero."""
+    if kind == LOWER:
+        return not some((change < 0.0) | (old != 0.0))
+    if kind == UPPER:
+        return not some((change > 0.0) | (old != 0.0))
+    return False
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
     for place in range(rows.speed.size):
         chain = _chain_of(place, rows)
@@ -320,6 +335,8 @@ def _solve_joints(rows: Rows, impulses: Impulses, work: Solving) -> None:
             r = rows.order[k]
             old, soft = impulses.joint[r], work.soft[r]
             change = ((speed + given * size) + work.wanted[r]) + soft * old
+            if _rests(rows.kind[r], change, old):
+                continue
             new = old - change / (size + soft)
             new = smaller(larger(new, work.low[r]), work.high[r])
             impulses.joint[r] = new + 0.0
@@ -380,7 +397,7 @@ def _begin(count: int, v: Array, constraints: Constraints, frames: Frames, work:
             _push(work.row, 3 * slot + a, chain, impulses.contact[slot, a], rows, w)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def apply_impulses(
     timing: Timing,
     constraints: Constraints,

@@ -29,8 +29,8 @@ from seamark.sim.multibody.tree import (
 )
 from seamark.sim.multibody.vectors import cross, dot, plus, rotate, rotate_back, times
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import like, sqrt
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.physics.current import Segment, Water, flow, profile, segment_at
 from seamark.sim.physics.terrain import Mounds
 
@@ -80,7 +80,7 @@ class Work(NamedTuple):
     acceleration: Array  # (n,) v' of the last step, see `tree`, relative to the water
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def advance(
     span: tuple[int, int],
     timing: Timing,
@@ -92,8 +92,6 @@ def advance(
     work: Work,
 ) -> None:
     """Advance one mechanism; `span` is the number of steps since the level began, and to make."""
-    model, state, command = borrowed(model), borrowed(state), borrowed(command)
-    work = borrowed(work)
     first, steps = span
     for done in range(steps):
         t = (first + done) * timing.step_s + 0.5 * timing.step_s
@@ -101,7 +99,7 @@ def advance(
         take_step(t, timing, model, state, command, (water, segment), ground, work)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def take_step(
     middle: float,
     timing: Timing,
@@ -113,8 +111,6 @@ def take_step(
     work: Work,
 ) -> None:
     """Advance a mechanism, or lanes of them, in place by one step around the time `middle` [s]."""
-    model, state, command = borrowed(model), borrowed(state), borrowed(command)
-    work = borrowed(work)
     structure, frames, step_s = model.structure, work.frames, timing.step_s
     place(structure, model.links, state.q, frames)
     _write_streams(middle, structure, water_and_segment, frames)
@@ -163,7 +159,7 @@ def _write_push(thrusters: Thrusters, thrust: Array, target: Array, wrench: Arra
         wrench[i] = push
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def move_freely(step_s: float, structure: Structure, links: Links, v: Array, work: Work) -> None:
     """Change the speeds by a step without motors, joint friction and contacts.
 

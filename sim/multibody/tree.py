@@ -38,6 +38,7 @@ from seamark.sim.multibody.vectors import (
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.lanes import like, sqrt
 from seamark.sim.numerics.libm import sincos
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.vehicles import STANDARD_GRAVITY
 
 FREE, REVOLUTE, PRISMATIC = 0, 1, 2
@@ -193,7 +194,7 @@ def _place_joint(i: int, at: int, structure: Structure, links: Links, q: Array, 
     _place_in_world(i, structure.parent[i], offset, to)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def place(structure: Structure, links: Links, q: Array, to: Frames) -> None:
     """Write the frames of all links at coordinates q, and the axes of the degrees of freedom."""
     for i in range(structure.parent.size):
@@ -341,7 +342,7 @@ def in_parent(i: int, force: Vector, torque: Vector, to: Frames) -> tuple[Vector
     return force, plus(torque, cross(three(to.arm, i, 0), force))
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def write_bias(structure: Structure, links: Links, v: Array, push: Array, to: Frames) -> None:
     """Write the bias forces c of all links at speeds v (n,); `place` has been called.
 
@@ -432,7 +433,7 @@ def _write_joint_mass(i: int, structure: Structure, links: Links, to: Frames) ->
             to.factor[first, above] = dot(three(links.axis, link, 0), along)
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def write_mass(structure: Structure, links: Links, to: Frames) -> None:
     """Write H to the lower triangle of `factor`, where a degree of freedom has those above it."""
     count = structure.parent.size
@@ -456,7 +457,7 @@ def _write_free_mass(i: int, first: int, to: Frames) -> None:
             to.factor[first + a, first + b] = to.composite[i, a, b]
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def factorise(structure: Structure, to: Frames) -> None:
     """Replace H by its factors: H = L^T D L, L of unit diagonal; D's root goes to `scale`."""
     above, h = structure.above, to.factor
@@ -491,7 +492,7 @@ def solve(structure: Structure, to: Frames, x: Array) -> None:
             j = above[j]
 
 
-@njit(cache=True, error_model="numpy")
+@uncounted
 def turn_at_the_middle(step_s: float, structure: Structure, to: Frames) -> None:
     """Let the bias of each tree as a whole be that of the middle of a step; H is factored.
 

@@ -12,6 +12,8 @@ Cache of compiled code (`compiled_cache.py`)
     code is never used.
 Calls without a search for types (`compilation.py`)
     `Dispatcher.compile` returns what can be called: the code for the given types.
+Functions without reference counts (`uncounted.py`)
+    The option `_nrt=False` of `njit`. A function that makes an array all the same does not compile.
 Vectors of sixteen and of eight numbers (`simd.py`, `lanes.py`)
     Operators on types of our own, and parts of the code generator. Without vectors, sums would be
     added in another order and results would differ, so there is no fall-back: importing them
@@ -42,7 +44,10 @@ CACHE_INTERNALS = (
     "numba.core.config:reload_config",
     "numba.core.caching:CacheImpl",  # calls the locators
 )
-CALL_INTERNALS = ("numba.core.dispatcher:Dispatcher.compile",)  # returns the code's entry point
+CALL_INTERNALS = (
+    "numba.core.dispatcher:Dispatcher.compile",  # returns the code's entry point
+    "numba.core.options:DefaultOptions._nrt",  # whether references are counted
+)
 SIMD_INTERNALS = (
     "numba.core.cgutils:unpack_tuple",  # shape of an array
     "numba.core.cgutils:get_or_insert_function",  # declares an LLVM intrinsic

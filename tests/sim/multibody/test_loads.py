@@ -41,6 +41,22 @@ def test_joints_transmit_what_their_rows_give_and_nothing_is_left_over_at_the_ve
     assert touched > 10
 
 
+def test_loads_of_the_outer_links_alone_are_those_among_all() -> None:
+    mechanism = vehicle_with_arm()
+    model, first = mechanism.model(STEP_S), 3
+    state, work, command = state_for(model), work_for(model), command_for(model)
+    state.q[2], command.speed[:] = GROUND.depth - 0.35, 0.1
+    advance((0, 1000), TIMING, model, state, command, Current(0.2).water, GROUND, work)
+    every, outer = np.full((2, len(mechanism.links), 6), np.nan)
+
+    write_loads(TIMING, model, state, work, every)
+    write_loads(TIMING, model, state, work, outer, first)
+
+    assert np.count_nonzero(state.impulses.contact[:, 0]) > 0
+    assert outer[first:].tobytes() == every[first:].tobytes()
+    assert np.isnan(outer[:first]).all()
+
+
 def test_the_bottom_carries_the_weight_of_what_lies_on_it() -> None:
     mechanism = vehicle_with_arm()
     mechanism.links[0].net_weight = 50.0
