@@ -1,8 +1,9 @@
-"""A complete practice run of 600 s: camera, tracker and a controller, built in or in a box.
+"""Complete practice runs: camera, tracker and a controller, built in or in a box; with an arm, too.
 
-Measured in warm processes, as on a worker, and compared with simulated time. Each run is repeated
-with a clock around the parts of a control step, whose functions are timed inside the run. Reading
-the clock takes as long as some of them, so its time is measured and taken out.
+A run with an arm gives its program the images of the camera on it, ten times a second. Measured in
+warm processes, as on a worker, and compared with simulated time. Each run is repeated with a clock
+around the parts of a control step, whose functions are timed inside the run. Reading the clock
+takes as long as some of them, so its time is measured and taken out.
 """
 
 import os
@@ -13,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +22,17 @@ from numpy.typing import NDArray
 from performance.tables import Row, cpu_us
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.probing.probes import probe
 from seamark.server.runs.data.files import RunFiles
+from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.control.velocity_controller import VelocityController
-from seamark.sim.engine import closed_loop
+from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.multibody.plant import ArmedPlant
 from seamark.sim.physics.plant import Plant
 from seamark.sim.recording import telemetry
 from seamark.sim.trackers.template.tracker import TemplateTracker
@@ -36,14 +40,30 @@ from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 from seamark.worker.ipc import messages
 
 _SEED = 7
-_SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}
-_SIMULATED_S = 600.0
+
+
+class _Case(NamedTuple):
+    """A run, and how long it is in simulated time."""
+
+    benchmark: str
+    settings: Mapping[str, object]
+    simulated_s: float
+
+
+_STATION = _Case(
+    "currents-v1", {"tracker": "esm", "warp": "homography", "criterion": "zncc"}, 600.0
+)
+_WITH_ARM = tuple(
+    _Case(name, {"levels": [0.0, 0.2], "level_duration_s": 90.0, "images": "arm"}, 180.0)
+    for name in ("recover-v1", "valve-v1")
+)
 # None of them is called within another one.
 _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
-    "rendering": ((Camera, "region"),),
+    "rendering": ((Camera, "region"), (ArmCamera, "follow")),
+    "images of the camera on an arm": ((ArmCamera, "grey_on_arm"),),
     "tracker": ((TemplateTracker, "update"),),
-    "physics": ((Plant, "advance"), (Plant, "read_pose")),
-    "sensors and position error": ((closed_loop, "perceive"),),
+    "physics": ((Plant, "advance"), (Plant, "read_pose"), (ArmedPlant, "advance")),
+    "sensors and position error": ((ClosedLoop, "_measure"),),
     "velocity controller": ((VelocityController, "step"),),
     "program: built in, or our side of the exchange": ((BuiltIn, "step"), (Box, "step")),
     "recording, with the digest": ((telemetry.Recorder, "commit"),),
@@ -59,11 +79,13 @@ def rows() -> list[Row]:
     os.sched_setaffinity(0, {max(before)})
     try:
         isolation = probe().level
-        measured = _measure("built-in PI", "pi", IsolationLevel.NONE)
+        measured = _measure(_STATION, "built-in PI", "pi", IsolationLevel.NONE)
         if isolation >= IsolationLevel.MEDIUM:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"
-            measured += _measure(name, program, isolation)
+            measured += _measure(_STATION, name, program, isolation)
+            for case in _WITH_ARM:
+                measured += _with_arm(case, isolation)
         measured += _rows_of_telemetry(_telemetry())
     finally:
         os.sched_setaffinity(0, before)
@@ -71,21 +93,35 @@ def rows() -> list[Row]:
     return [*measured, Row(what="memory of this process", value=peak_mib, unit="MiB peak")]
 
 
+def _with_arm(case: _Case, isolation: IsolationLevel) -> list[Row]:
+    """Measure the starters of two languages that move an arm."""
+    measured: list[Row] = []
+    for language in ("python", "c"):
+        starter = LANGUAGES[language].starter(moves_arm=True)
+        assert starter is not None  # noqa: S101 - a test holds that every language has one
+        program = (starter.upload(), starter.upload_name)
+        _run(case, program, isolation)  # compiles what it needs
+        measured += _measure(case, f"{case.benchmark}, starter in {language}", program, isolation)
+    return measured
+
+
 def _measure(
-    name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
+    case: _Case, name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
 ) -> list[Row]:
-    wall_s, own_s, box_s = _run(controller, isolation)
+    wall_s, own_s, box_s = _run(case, controller, isolation)
     watch = _Stopwatch()
     with watch.open():
-        _, timed_s, timed_box_s = _run(controller, isolation)
+        _, timed_s, timed_box_s = _run(case, controller, isolation)
+    real_s, what = case.simulated_s, f"{case.simulated_s:g} s, {name}"
     return [
-        _relative_to_real_time(f"600 s, {name}: CPU", own_s + box_s, "s CPU"),
-        _relative_to_real_time(f"600 s, {name}: wall, one core", wall_s, "s wall"),
-        *_loop_rows(name.partition(",")[0], watch, timed_s, timed_box_s),
+        _relative_to_real_time(f"{what}: CPU", own_s + box_s, "s CPU", real_s),
+        _relative_to_real_time(f"{what}: wall, one core", wall_s, "s wall", real_s),
+        *_loop_rows(name, watch, timed_s, timed_box_s),
     ]
 
 
 def _run(
+    case: _Case,
     controller: str | tuple[bytes, str],
     isolation: IsolationLevel,
     callbacks: Callbacks | None = None,
@@ -93,27 +129,30 @@ def _run(
     """Run once; return the wall time, the CPU time of this process and that of the box [s]."""
     wall, cpu = time.perf_counter(), time.process_time()
     outcome = evaluate_locally(
-        "currents-v1",
-        _SETTINGS,
+        case.benchmark,
+        case.settings,
         seed=_SEED,
         controller=controller,
         isolation=isolation,
         callbacks=callbacks,
+        processes=1,
     )
     wall_s, own_s = time.perf_counter() - wall, time.process_time() - cpu
+    if outcome.failure is not None:
+        raise RuntimeError(f"the program ended with {outcome.failure}: {outcome.sentence}")
     return wall_s, own_s, outcome.usage.get("cpu_s", 0.0)
 
 
 def _telemetry() -> NDArray[np.float64]:
     """Return the rows of a run."""
     kept: list[NDArray[np.float64]] = []
-    _run("pi", IsolationLevel.NONE, Callbacks(rows=kept.append))
+    _run(_STATION, "pi", IsolationLevel.NONE, Callbacks(rows=kept.append))
     return np.concatenate(kept)
 
 
-def _relative_to_real_time(what: str, value_s: float, unit: str) -> Row:
+def _relative_to_real_time(what: str, value_s: float, unit: str, simulated_s: float) -> Row:
     return Row(
-        what=what, value=value_s, unit=unit, baseline="simulated time", baseline_value=_SIMULATED_S
+        what=what, value=value_s, unit=unit, baseline="simulated time", baseline_value=simulated_s
     )
 
 
@@ -176,6 +215,7 @@ def _loop_rows(name: str, watch: _Stopwatch, own_s: float, box_s: float) -> list
             baseline_value=whole,
         )
         for part, seconds in parts.items()
+        if seconds > 0.0  # without an arm some of them are none
     ]
 
 
