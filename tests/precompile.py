@@ -21,6 +21,7 @@ from functools import partial
 from pathlib import Path
 
 from tests.sim.camera import test_link_camera
+from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
@@ -84,6 +85,7 @@ def main() -> None:
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
+            partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
         )
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             for done in [pool.submit(part) for part in parts]:

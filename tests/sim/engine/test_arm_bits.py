@@ -1,0 +1,46 @@
+"""A run with an arm gives the same bits in two processes, and on the oldest processor."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+
+import pytest
+
+from tests.sim.oldest_processor import OLDEST_PROCESSOR
+
+PROGRAM = """
+import numpy as np
+from seamark.sim import registry
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording.telemetry import WORK_INDEX
+
+for benchmark in ("recover-v1", "valve-v1"):
+    entry, rows = registry.benchmark(benchmark), []
+    config = entry.read({"levels": [0.1], "level_duration_s": 30.0, "images": "both"})
+    program = entry.load().built_in("oracle", config)
+    result = run_trial(benchmark, config, program, seed=5, trial=0, on_rows=rows.append)
+    held = np.concatenate(rows)[:, WORK_INDEX["work_arm_n"]] > 0.0
+    print(result.digest, np.count_nonzero(held))
+"""
+
+
+def lines(variables: Mapping[str, str]) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, **variables},
+    )
+    return done.stdout.splitlines()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)  # where nothing is compiled for the oldest processor yet
+def test_runs_with_an_arm_have_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
+    here, again = lines({"PYTHONHASHSEED": "1"}), lines({"PYTHONHASHSEED": "2"})
+
+    assert here == again == lines(OLDEST_PROCESSOR)
+    assert len(here) == 2
+    assert all(int(line.split()[1]) > 20 for line in here)  # control steps with the hand on it
