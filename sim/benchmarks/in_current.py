@@ -4,6 +4,7 @@ from typing import Any, Generic, TypeVar
 
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.camera.water import Water
 from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialPlan
@@ -83,6 +84,10 @@ class InCurrent(Generic[Settings]):
         """Return what the arm works on; nothing, unless overridden."""
         return None
 
+    def water(self, config: Settings, *, seed: int, trial: int) -> Water:
+        """Return the water of a level with these settings."""
+        return configured_water(config)
+
     def encoder_bias(self, config: Settings, *, seed: int, trial: int) -> tuple[float, ...]:
         """Return the constant error of each joint of an arm, or of all [rad]; none."""
         return (0.0,)
@@ -107,7 +112,7 @@ class InCurrent(Generic[Settings]):
         here = self.at(config, seed=seed, trial=trial, level=level)
         conditions = Conditions(
             current=_current(here, level, drawn, random),
-            water=configured_water(here),
+            water=self.water(here, seed=seed, trial=trial),
             trial=drawn,
             tool_m=self.tool_m(here),
             target=self.target(config, seed=seed, trial=trial),
@@ -121,7 +126,7 @@ class InCurrent(Generic[Settings]):
         here = self.at(config, seed=seed, trial=trial, level=level)
         return build_camera(
             here,
-            configured_water(here),
+            self.water(here, seed=seed, trial=trial),
             noise_seed=draw_noise_seed(streams(seed, trial, level)),
             target=self.target(config, seed=seed, trial=trial),
             workpiece=self.workpiece(config, seed=seed, trial=trial),

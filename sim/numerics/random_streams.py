@@ -11,7 +11,7 @@ PER_TRIAL = frozenset(  # the same in all levels of a trial
     {
         *("bottom", "trial_current", "trial_start", "trial_sensors"),
         *("trial_delays", "trial_vehicle", "trial_order", "trial_work"),
-        "trial_calibration",
+        *("trial_calibration", "trial_water"),
     }
 )
 
@@ -41,6 +41,7 @@ class Streams:
     arm: np.random.Generator
     trial_work: np.random.Generator
     trial_calibration: np.random.Generator
+    trial_water: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

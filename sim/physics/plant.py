@@ -189,14 +189,14 @@ class Plant:
         """Return the contact force [N] on the hull: mean magnitude over the last `advance`."""
         return self._contact_force
 
-    def current_world(self) -> Array:
-        """Return the water's velocity now, (3,) NED [m/s].
+    def current_world(self, ahead_s: float = 0.0) -> Array:
+        """Return the water's velocity now, or so much later, (3,) NED [m/s].
 
         Under the force law, where the water rests, it is the current that the force represents: to
         starboard its level, forward its lateral component.
         """
         out = np.empty(3)
-        self._write_current.call(self._step * self.step_s, self.water, self.state, out)
+        self._write_current.call(self._step * self.step_s + ahead_s, self.water, self.state, out)
         return out
 
 

@@ -103,6 +103,28 @@ class InterventionSettings(RobustTrackerSettings, ArmSettings, CurrentLevels, Tr
         source="growth and wear",
     )
 
+    tilt_spread_rad: float = spread_setting(
+        0.14,
+        title="Tilt",
+        help="Angle by which what is worked on is tilted, drawn uniformly from 0 to this; the "
+        "level axis about which it is tilted has any direction.",
+        unit="rad",
+        low=0,
+        high=0.25,
+        tag="E",
+        source="8°: a seabed that is no floor",
+    )
+    turbidity_spread: float = spread_setting(
+        2.5,
+        title="Turbidity",
+        help="Optical depth that suspended matter adds on the way from the camera at the start to "
+        "what is worked on, drawn uniformly from 0 to this, alike for all colours.",
+        low=0,
+        high=6,
+        tag="E",
+        source="what the default tracker still follows; see docs/benchmarks.md",
+    )
+
     def camera_mount_m(self) -> tuple[float, float, float]:
         """Return where the vehicle's camera is on the body [m]."""
         return MOUNTS_M.get(self.vehicle, OTHER_MOUNT_M)

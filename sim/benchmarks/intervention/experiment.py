@@ -3,10 +3,11 @@
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Generic, TypeVar
 
 from seamark.sim.benchmarks.in_current import InCurrent
+from seamark.sim.camera.water import Water
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.metrics.attempts import StagedAttempt
@@ -54,6 +55,17 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
         factor = self.calibration(config, seed=seed, trial=trial).focal_factor
         return here.model_copy(update={"camera_focal_px": here.camera_focal_px * factor})
 
+    def water(self, config: Settings, *, seed: int, trial: int) -> Water:
+        """Return the water of the settings with the suspended matter of the trial."""
+        clear = super().water(config, seed=seed, trial=trial)
+        more = self.turbidity(config, seed=seed, trial=trial) / config.altitude_m
+        red, green, blue = (one + more for one in clear.attenuation)
+        return replace(clear, attenuation=(red, green, blue))
+
+    def turbidity(self, config: Settings, *, seed: int, trial: int) -> float:
+        """Return the optical depth of suspended matter, from the camera at the start."""
+        return config.turbidity_spread * float(streams(seed, trial, 0).trial_water.random())
+
     def encoder_bias(self, config: Settings, *, seed: int, trial: int) -> tuple[float, ...]:
         """Return the constant error of each joint of the arm [rad]."""
         return self.calibration(config, seed=seed, trial=trial).encoder_bias_rad
@@ -83,7 +95,11 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
         drawn = self.drawn(config, seed=seed, trial=trial)
         work = self.drawn_work(config, seed=seed, trial=trial)
         calibration = self.calibration(config, seed=seed, trial=trial)
-        conditions = {**drawn.as_dict(), "work": dict(work), "calibration": asdict(calibration)}
+        conditions = drawn.as_dict() | {
+            "work": dict(work),
+            "calibration": asdict(calibration),
+            "turbidity": self.turbidity(config, seed=seed, trial=trial),
+        }
         return TrialPlan(order=drawn.order, conditions=conditions)
 
     def metrics(self, config: Settings, level: int, rows: Rows) -> dict[str, Any]:

@@ -23,7 +23,7 @@ BENCHMARK = intervention_benchmark(
     },
     reference_built_in={
         "nothing": "Nothing: zero velocity, the arm at rest",
-        "blind": "Blind after the first look",
+        "blind": "Blind after one second",
         "oracle": "Oracle: knows the truth",
     },
     scale=(0.0, 0.525),  # ./run performance intervention_headroom recover-v1

@@ -1,11 +1,15 @@
-"""What lies on the seabed in recover-v1, and what is drawn of it for a trial."""
+"""What lies on the seabed in recover-v1, and what is drawn of it for a trial.
 
-from dataclasses import asdict, dataclass, replace
+The box lies on a flat stone, which is what is tilted: so it rests there, however it is tilted.
+"""
+
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.recover_v1.settings import SHAPE, RecoverConfiguration
 from seamark.sim.camera.target import Target
 from seamark.sim.multibody.assembly import Frame, Mounting
@@ -17,9 +21,10 @@ from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.model import Place
 
-BOX = "black-box"
+BOX, STONE = "black-box", "stone"
+RAISED_M = 0.06  # the middle of the stone's upper face above the seabed
 GRIP_M = (0.0, 0.0, -0.17)  # middle of the handle
-_PREFIX = "work: "
+_PREFIX, _STONE_PREFIX = "work: ", "ground: "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +34,7 @@ class BoxDraw:
     heading_rad: float = 0.0  # of its letters
     mass_kg: float = 0.0  # added to its own
     friction_factor: float = 1.0
+    tilt: Tilt = field(default_factory=Tilt)  # of the stone, and so of the box
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain JSON values."""
@@ -38,35 +44,46 @@ class BoxDraw:
 def draw_box(spread: RecoverConfiguration, random: Streams) -> BoxDraw:
     """Return what a trial draws; the stream must be fresh."""
     heading, mass, friction = random.trial_work.uniform(-1.0, 1.0, 3).tolist()
+    angle, axis = random.trial_work.random(2).tolist()
     return BoxDraw(
         heading_rad=PI * heading,
         mass_kg=0.5 * mass,
         friction_factor=1.0 + spread.friction_spread * friction,
+        tilt=tilt_of(spread.tilt_spread_rad, (angle, axis)),
     )
 
 
 def target(drawn: BoxDraw) -> Target:
-    """Return the box as the camera's target: where it lies at the start."""
+    """Return the camera's target without the tilt: the start is above its upper face."""
     return Target(
         length_m=SHAPE.length_m,
         width_m=SHAPE.width_m,
-        height_m=SHAPE.height_m,
+        height_m=RAISED_M + SHAPE.height_m,
         heading_rad=drawn.heading_rad,
     )
 
 
 @lru_cache(maxsize=4)
 def workpiece(drawn: BoxDraw) -> Workpiece:
-    """Return the box on the seabed."""
+    """Return the box on its stone."""
     box = target(drawn)
-    north, east, down = box.origin().tolist()
-    place = Place(
-        point=_estimate("place", north, east, down),
-        turn=_estimate("turn", 0.0, 0.0, drawn.heading_rad + 0.5 * PI),
-    )
+    ground = np.array([box.north_m, box.east_m, box.seabed_m - RAISED_M])
+    turn = _estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI))
+    up = drawn.tilt.matrix()[:, 2] * (0.5 * SHAPE.height_m)
     linkage = _varied(load_linkage(BOX), drawn)
     return Workpiece(
-        things=(Mounting(linkage=linkage, place=place, prefix=_PREFIX),),
+        things=(
+            Mounting(
+                linkage=linkage,
+                place=Place(point=_estimate("place", *(ground - up).tolist()), turn=turn),
+                prefix=_PREFIX,
+            ),
+            Mounting(
+                linkage=load_linkage(STONE),
+                place=Place(point=_estimate("place", *ground.tolist()), turn=turn),
+                prefix=_STONE_PREFIX,
+            ),
+        ),
         link=f"{_PREFIX}box",
         shapes=tuple(f"{_PREFIX}{name}" for name in linkage.shapes()),
         grip=GRIP_M,

@@ -1,11 +1,12 @@
 """What stands on the seabed in valve-v1, and what is drawn of it for a trial."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.valve_v1.settings import SHAPE, ValveConfiguration
 from seamark.sim.camera.target import Target
 from seamark.sim.multibody.assembly import Frame, Mounting
@@ -15,10 +16,12 @@ from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.vehicles import Quantity
 from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
 from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.matrices import multiplied
 from seamark.sim.vehicles.model import Place
 
 VALVE = "roof-valve"
 LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
+SUNK_M = 0.1  # of the panel below the seabed, so that it has no gap there when it is tilted
 SLIDING = (0.6, 0.9)  # torque in motion, as a share of that to break away
 _PREFIX = "work: "
 
@@ -32,6 +35,7 @@ class ValveDraw:
     torque_n_m: float = 5.0  # to break away
     sliding_share: float = 0.8
     friction_factor: float = 1.0
+    tilt: Tilt = field(default_factory=Tilt)  # of the panel about the middle of its face
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain JSON values."""
@@ -41,6 +45,7 @@ class ValveDraw:
 def draw_valve(spread: ValveConfiguration, random: Streams) -> ValveDraw:
     """Return what a trial draws; the stream must be fresh."""
     heading, height, torque, sliding, friction = random.trial_work.uniform(0.0, 1.0, 5).tolist()
+    angle, axis = random.trial_work.random(2).tolist()
     least, most = spread.torque_least_n_m, spread.torque_most_n_m
     return ValveDraw(
         heading_rad=PI * (2.0 * heading - 1.0),
@@ -48,11 +53,12 @@ def draw_valve(spread: ValveConfiguration, random: Streams) -> ValveDraw:
         torque_n_m=least + (most - least) * torque,
         sliding_share=SLIDING[0] + (SLIDING[1] - SLIDING[0]) * sliding,
         friction_factor=1.0 + spread.friction_spread * (2.0 * friction - 1.0),
+        tilt=tilt_of(spread.tilt_spread_rad, (angle, axis)),
     )
 
 
 def target(drawn: ValveDraw) -> Target:
-    """Return the panel as the camera's target."""
+    """Return the camera's target without the tilt: the start is above its upper face."""
     return Target(
         length_m=SHAPE.length_m,
         width_m=SHAPE.width_m,
@@ -66,9 +72,10 @@ def workpiece(drawn: ValveDraw) -> Workpiece:
     """Return the valve on its panel."""
     panel = target(drawn)
     top, (right, down) = panel.top_centre(), panel.axes()
+    level = np.column_stack([right, down, [0.0, 0.0, 1.0]])
     place = Place(
         point=_estimate("place", *top.tolist()),
-        turn=_estimate("turn", 0.0, 0.0, drawn.heading_rad + 0.5 * PI),
+        turn=_estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)),
     )
     linkage = _varied(load_linkage(VALVE), drawn)
     return Workpiece(
@@ -76,7 +83,7 @@ def workpiece(drawn: ValveDraw) -> Workpiece:
         link=f"{_PREFIX}handle",
         shapes=tuple(f"{_PREFIX}{name}" for name in linkage.shapes()),
         grip=(0.0, 0.0, 0.0),
-        face=Frame(None, top, np.column_stack([right, down, [0.0, 0.0, 1.0]])),
+        face=Frame(None, top, multiplied(drawn.tilt.matrix(), level)),
         size_m=(SHAPE.length_m, SHAPE.width_m),
     )
 
@@ -94,6 +101,7 @@ def _varied(valve: Linkage, drawn: ValveDraw) -> Linkage:
 
 def _as_high(panel: LinkData, height_m: float) -> LinkData:
     """Return the panel, whose origin is on its face, as high as this above the seabed."""
+    height_m += SUNK_M
     (shape,), (solid,) = panel.shapes, panel.solids
     long, wide, _ = shape.size.value
     middle = (0.0, 0.0, 0.5 * height_m)

@@ -288,11 +288,13 @@ class Approach(ABC):
         return 0.0
 
 
-class OneLook(Approach):
-    """Sees the handle once, at the start, and then goes by dead reckoning."""
+class FirstLook(Approach):
+    """Looks for the first seconds only, and then goes by dead reckoning."""
+
+    LOOK_S: ClassVar[float]
 
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
-        if self.work is None:
+        if observation.t < self.LOOK_S:
             super()._look(observation, tilt, yaw)
 
 

@@ -12,11 +12,13 @@ from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotatio
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import atan2
+from seamark.sim.numerics.statistics import mean
 
-KYAW, YAW_RAD_S = 0.6, 0.2  # [1/s] of the heading
-BOW_RAD = 0.3  # from the current, to come down
+KYAW, YAW_RAD_S = 0.6, 0.2  # [1/s, rad/s] of the heading
+SMALL_RAD, BOW_RAD = 0.1, 0.4  # from the current: left alone, and to come down
 WEAK_M_S = 0.05  # a current that needs no turn
-MEAN_S = 15.0  # over which the current is averaged
+CALM_M_S = 0.01  # of the vehicle's heave
+AHEAD_S, SAMPLES = 12.0, 13  # over which the current is averaged
 
 
 class Oracle(Approach):
@@ -95,23 +97,21 @@ class Oracle(Approach):
 
 
 class RecoverOracle(Oracle, recover.ResolvedRate):
-    """`recover.ResolvedRate` that sees the truth and turns its bow into the current.
+    """`recover.ResolvedRate` that sees the truth and turns its bow into the current to come.
 
-    A Girona 500 resists from ahead more than twice the current that it resists from abeam.
+    A Girona 500 resists from ahead more than twice the current that it resists from abeam. Small
+    angles it leaves alone, because its thrusters give the same force either to turn or to push.
     """
 
     # It need not look or feel, and knows the depth.
     ABOVE_M, SLOW_M, BOTTOM_M, SETTLE_S, FEEL_M = 0.25, 0.3, 0.02, 0.0, 0.0
 
-    def reset(self, level: Mapping[str, float | int]) -> None:
-        """Know the current of the start."""
-        super().reset(level)
-        self._flow = self._plant.current_world().tolist()[:2]
-
     def step(self, observation: Observation) -> list[float]:
         """Return the command."""
-        for axis, now in enumerate(self._plant.current_world().tolist()[:2]):
-            self._flow[axis] += (now - self._flow[axis]) * self.dt / MEAN_S
+        left_s = max(self._settings.level_duration_s - observation.t, 0.0)
+        step_s = min(AHEAD_S, left_s) / (SAMPLES - 1)
+        flows = [self._plant.current_world(step_s * k).tolist() for k in range(SAMPLES)]
+        self._flow = [mean([flow[axis] for flow in flows]) for axis in (0, 1)]
         return super().step(observation)
 
     def _turn(self, joints: list[float], tilt: Matrix, yaw: float) -> float:
@@ -120,7 +120,8 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
     def _yaw_rate(self) -> float:
         if self.phase in {FALL, recover.CLOSE}:  # the jaws stay across the handle
             return 0.0
-        return clipped(KYAW * self._off_the_bow(), YAW_RAD_S)
+        off = self._off_the_bow()
+        return clipped(KYAW * (off - clipped(off, SMALL_RAD)), YAW_RAD_S)
 
     def _fly(self, error: Vector, yaw: float, observation: Observation) -> list[float]:
         """Return surge, sway and heave; the vehicle turns about the tool."""
@@ -132,6 +133,11 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
     def _ready(self) -> bool:
         return abs(self._off_the_bow()) < BOW_RAD
 
+    def _go(self, phase: int) -> None:
+        """Go to a phase; the jaws wait until the vehicle, which they would stop, is at rest."""
+        if phase != recover.CLOSE or abs(self._plant.velocity()[2]) < CALM_M_S:
+            super()._go(phase)
+
     def _off_the_bow(self) -> float:
         """Return the direction from which the water comes in the mean, from the bow [rad]."""
         north, east = self._flow
@@ -142,4 +148,8 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
 
 
 class ValveOracle(Oracle, valve.ResolvedRate):
-    """`valve.ResolvedRate` that sees the truth."""
+    """`valve.ResolvedRate` that sees the truth.
+
+    It keeps its heading: turning the bow into the current costs the wrist room and time, and did
+    not turn the valve more often.
+    """

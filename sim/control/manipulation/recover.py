@@ -13,7 +13,7 @@ from seamark.sim.control.manipulation.approach import (
     WORK,
     Approach,
     ArmCompensates,
-    OneLook,
+    FirstLook,
     clipped,
 )
 from seamark.sim.control.manipulation.arm_data import Vector
@@ -75,10 +75,12 @@ class Scripted(Recover):
     label = "Scripted: the vehicle brings the hand"
 
 
-class Blind(OneLook, Scripted):
-    """Sees the box once, at the start, and then goes by dead reckoning."""
+class Blind(FirstLook, Scripted):
+    """Looks at the box at the start, then comes over it and down by dead reckoning."""
 
-    label = "Blind after the first look"
+    label = "Blind after one second"
+    ABOVE_M, SETTLE_S = 0.25, 0.0
+    LOOK_S = 1.0
 
 
 class ResolvedRate(ArmCompensates, Recover):

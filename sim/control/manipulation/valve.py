@@ -15,6 +15,7 @@ from seamark.sim.control.manipulation.approach import (
     WORK,
     Approach,
     ArmCompensates,
+    FirstLook,
     clipped,
     turned,
 )
@@ -184,16 +185,12 @@ class Scripted(TurnValve):
     label = "Scripted: the vehicle brings the hand"
 
 
-class Blind(Scripted):
+class Blind(FirstLook, Scripted):
     """Looks at the panel until it is about there, then goes down at once, by dead reckoning."""
 
     label = "Blind after six seconds"
     ABOVE_M = 0.1
     LOOK_S = 6.0
-
-    def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
-        if observation.t < self.LOOK_S:
-            super()._look(observation, tilt, yaw)
 
     def _ready(self) -> bool:
         return abs(self.askew) < READY_RAD

@@ -52,8 +52,9 @@ def test_the_workpiece_is_placed_in_the_world_as_the_rows_have_it(
     assert work.header.frame_id == "map_ned"
     assert array(work.transform.translation).tolist() == rows[-1, first : first + 3].tolist()
     x_axis = turned(array(work.transform.rotation), np.array([1.0, 0.0, 0.0]))
-    heading = rows[-1, WORK_INDEX["workpiece_yaw"]]
-    assert x_axis == pytest.approx([np.cos(heading), np.sin(heading), 0.0], abs=1e-3)
+    attitude = [rows[-1, WORK_INDEX[f"workpiece_{axis}"]] for axis in ("roll", "pitch", "yaw")]
+    assert np.abs(attitude[:2]).max() > 0.01
+    assert x_axis == pytest.approx(Rotation.from_euler("xyz", attitude).apply([1, 0, 0]), abs=1e-9)
 
 
 def test_the_chain_of_transforms_leads_to_the_tool_centre_point(

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seamark.sim.benchmarks.recover_v1.scene import GRIP_M, BoxDraw, workpiece
+from seamark.sim.benchmarks.intervention.tilt import Tilt
+from seamark.sim.benchmarks.recover_v1.scene import GRIP_M, RAISED_M, BoxDraw, workpiece
 from seamark.sim.multibody.assembly import Mounting
 from seamark.sim.multibody.plant import ArmedPlant
 from seamark.sim.multibody.posture import Posture
@@ -34,14 +35,19 @@ def advanced(plant: ArmedPlant, steps: int) -> None:
     plant.measure_work()
 
 
-def test_a_box_that_lies_on_the_seabed_stays_and_is_borne_by_it_alone() -> None:
-    plant = plant_with(workpiece(BoxDraw(heading_rad=HEADING)))
+@pytest.mark.parametrize(("angle", "axis"), [(0.0, 0.0), (0.14, 2.0), (0.25, -0.7)])
+def test_a_box_that_lies_on_a_tilted_stone_stays_and_is_borne_by_it_alone(
+    angle: float, axis: float
+) -> None:
+    tilt = Tilt(angle_rad=angle, axis_rad=axis)
+    plant = plant_with(workpiece(BoxDraw(heading_rad=HEADING, friction_factor=0.7, tilt=tilt)))
 
     advanced(plant, 300)
     before = plant.work[:6].copy()
     advanced(plant, 300)
 
-    lying = [0.0, 0.0, 4.9, 0.0, 0.0, HEADING + 0.5 * np.pi]
+    middle = np.array([0.0, 0.0, 5.0 - RAISED_M]) + tilt.matrix() @ [0.0, 0.0, -0.1]
+    lying = [*middle, *tilt.attitude(HEADING + 0.5 * np.pi)]
     assert plant.work[:6] == pytest.approx(lying, abs=1e-4)
     assert plant.work[:6] == pytest.approx(before, abs=1e-6)
     arm, hull, rest = plant.readings.work_n
@@ -50,7 +56,7 @@ def test_a_box_that_lies_on_the_seabed_stays_and_is_borne_by_it_alone() -> None:
     assert plant.readings.push.tolist() == [0.0, 0.0, 0.0]
 
 
-def test_a_heavier_box_weighs_more_on_the_seabed() -> None:
+def test_a_heavier_box_weighs_more_on_its_stone() -> None:
     light, heavy = (plant_with(workpiece(BoxDraw(mass_kg=mass))) for mass in (-0.4, 0.4))
 
     for plant in (light, heavy):
@@ -65,7 +71,7 @@ def test_the_reach_is_the_distance_of_the_tool_from_the_grip() -> None:
 
     plant.measure_work()
 
-    tool, grip = plant.work[15:18], np.array([0.0, 0.0, 4.9]) + GRIP_M
+    tool, grip = plant.work[15:18], np.array([0.0, 0.0, 4.9 - RAISED_M]) + GRIP_M
     assert len(plant.work) == MEASURED
     assert plant.work[14] == pytest.approx(np.linalg.norm(tool - grip))
 

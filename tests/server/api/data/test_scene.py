@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from seamark.server.pages.run.player_data import player_data
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.scene import vehicle_shape, work_shape
-from seamark.sim.benchmarks.recover_v1.scene import BoxDraw, workpiece
+from seamark.sim.benchmarks.recover_v1.scene import RAISED_M, BoxDraw, workpiece
 from seamark.sim.camera.seabed import TILE, texels
 from seamark.sim.metrics import recovery
 from seamark.sim.multibody.assembly import Mounting
@@ -182,7 +182,7 @@ def test_a_vehicle_without_an_arm_has_no_camera_on_one(site: Site) -> None:
     assert "no camera on an arm" in answer.get_json()["detail"]
 
 
-RECOVER = {"levels": [0.1], "level_duration_s": 20.0}
+RECOVER = {"levels": [0.1], "level_duration_s": 20.0, "turbidity_spread": 0.0}
 
 
 def recovered(site: Site, rows: Rows) -> str:
@@ -210,22 +210,26 @@ def pixels(image: bytes) -> NDArray[np.int64]:
     return decoded.astype(np.int64)
 
 
-def test_the_box_of_a_trial_stands_in_its_scene_where_cameras_have_it(site: Site) -> None:
+def test_the_box_of_a_trial_lies_in_its_scene_on_a_stone_as_it_is_tilted(site: Site) -> None:
     run = recovered(site, lifted(0.6))
 
     scenes = [
         site.call("owner", "GET", f"{run}/scene.json?trial={trial}").get_json() for trial in (0, 1)
     ]
 
-    headings = []
+    turns = []
     for scene in scenes:
-        (thing,) = scene["workpiece"]["things"]
+        thing, stone = scene["workpiece"]["things"]
         (box,) = thing["links"]
         assert box["joint"] == {"kind": "free"}
         assert [solid.get("lettered", False) for solid in box["solids"]] == [True, *[False] * 3]
-        assert thing["place"] == pytest.approx(scene["target"]["centre"])
-        headings.append(thing["turn"][2])
-    assert headings[0] != headings[1]
+        assert stone["links"][0]["joint"] is None
+        assert stone["place"][2] == pytest.approx(scene["seabed"]["depth"] - RAISED_M)
+        assert np.linalg.norm(np.subtract(thing["place"], stone["place"])) == pytest.approx(0.1)
+        assert thing["turn"] == stone["turn"]
+        assert max(map(abs, thing["turn"][:2])) > 0.0
+        turns.append(thing["turn"])
+    assert all(one != other for one, other in zip(*turns, strict=True))
     assert scenes[0]["workpiece"]["face"]["link"] == [0, 0]
 
 
@@ -261,7 +265,7 @@ def test_a_link_on_a_joint_moves_with_it_and_the_rest_of_its_thing_stands() -> N
 
     shape = work_shape(replace(box, things=(*box.things, thing), link="a: handle"))
 
-    lying, (panel, handle) = (each["links"] for each in shape["things"])
+    lying, _stone, (panel, handle) = (each["links"] for each in shape["things"])
     assert lying[0]["joint"] is None, "no column moves it"
     assert panel["joint"] is None
     assert handle["joint"] == {"kind": "revolute", "axis": valve.links[1].joint.axis, "ratio": 1.0}

@@ -111,7 +111,7 @@ def test_commands_that_recovered_the_box_once_recover_no_other() -> None:
     assert max(others) <= TOUCHED
 
 
-def test_who_looks_once_recovers_less_than_who_keeps_looking() -> None:
+def test_who_looks_at_the_start_alone_recovers_less_than_who_keeps_looking() -> None:
     trials = (0, 2, 3)
     seeing = [credit_of(Scripted(CONFIG.for_program()), trial) for trial in trials]
     blind = [credit_of(Blind(CONFIG.for_program()), trial) for trial in trials]

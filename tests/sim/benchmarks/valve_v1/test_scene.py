@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from seamark.sim.benchmarks.valve_v1 import scene
 from seamark.sim.benchmarks.valve_v1.experiment import EXPERIMENT
@@ -46,7 +47,7 @@ def test_the_handle_is_as_stiff_as_its_trial_drew_it() -> None:
     assert friction.value == (draw.torque_n_m, draw.torque_n_m * draw.sliding_share)
 
 
-def test_the_panel_reaches_from_its_face_to_the_seabed() -> None:
+def test_the_panel_reaches_from_its_face_into_the_seabed_however_it_is_tilted() -> None:
     draw = drawn(5)
     (mounting,) = scene.workpiece(draw).things
     (shape,) = mounting.linkage.link("panel").shapes
@@ -56,26 +57,33 @@ def test_the_panel_reaches_from_its_face_to_the_seabed() -> None:
 
     assert face == pytest.approx(target.seabed_m - draw.height_m)
     assert shape.place.point.value[2] - half == pytest.approx(0.0)
-    assert face + 2.0 * half == pytest.approx(target.seabed_m)
+    assert face + 2.0 * half == pytest.approx(target.seabed_m + scene.SUNK_M)
+    steepest = ValveConfiguration.model_fields["tilt_spread_rad"].metadata
+    most = next(one.le for one in steepest if hasattr(one, "le"))
+    assert np.hypot(*shape.size.value[:2]) * np.sin(most) < scene.SUNK_M
 
 
 def test_the_face_that_is_tracked_is_the_top_of_the_panel() -> None:
     draw = drawn(7)
 
-    assert np.allclose(scene.workpiece(draw).corners(), scene.target(draw).top_corners())
+    level, middle = scene.target(draw).top_corners(), scene.target(draw).top_centre()
+    tilted = middle + (level - middle) @ draw.tilt.matrix().T
+
+    assert np.allclose(scene.workpiece(draw).corners(), tilted)
 
 
 def test_the_handle_starts_along_the_letters_and_above_the_face() -> None:
     rows, draw = run(), drawn(0)
     start = rows[0]
-    yaw = start[WORK_INDEX["workpiece_yaw"]]
-    lever = np.array([-np.sin(yaw), np.cos(yaw)])  # its y axis
+    attitude = [start[WORK_INDEX[f"workpiece_{axis}"]] for axis in ("roll", "pitch", "yaw")]
+    lever = Rotation.from_euler("xyz", attitude).apply([0.0, 1.0, 0.0])
     right, _down = scene.target(draw).axes()
-    top = scene.target(draw).top_centre()[2]
+    top = scene.target(draw).top_centre()
+    place = [start[WORK_INDEX[f"workpiece_{axis}"]] for axis in "xyz"]
 
-    assert abs(lever @ right[:2]) == pytest.approx(1.0)
+    assert abs(lever @ (draw.tilt.matrix() @ right)) == pytest.approx(1.0)
     assert start[WORK_INDEX["workpiece_joint"]] == 0.0
-    assert top - start[WORK_INDEX["workpiece_z"]] == pytest.approx(0.12)
+    assert place == pytest.approx(top + draw.tilt.matrix() @ [0.0, 0.0, -0.12])
 
 
 def test_the_handle_turns_by_more_than_what_is_asked_both_ways() -> None:
