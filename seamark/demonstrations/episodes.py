@@ -129,7 +129,7 @@ def demonstrate(task: Task, attempt: Attempt) -> Demonstration:
     env = task.environment()
     options = {"trial": TRIAL, "level": attempt.level}
     recorder = _Recorder(*env.reset(seed=attempt.seed, options=options))
-    expert, over = _Expert(task, attempt, recorder.observation), False
+    expert, over = Expert(task, attempt, recorder.observation), False
     while not over:
         action = np.asarray(expert.action(recorder.observation), dtype=task.dtype)
         observation, reward, terminated, truncated, info = env.step(action)
@@ -152,7 +152,7 @@ def demonstrate(task: Task, attempt: Attempt) -> Demonstration:
     return recorder.demonstration(outcome)
 
 
-class _Expert:
+class Expert:
     """A built-in controller, asked from outside of the loop."""
 
     def __init__(self, task: Task, attempt: Attempt, first: Any) -> None:
@@ -171,6 +171,11 @@ class _Expert:
                 "t": float(_state_of(first)[0]),
             }
         )
+
+    @property
+    def controller(self) -> Any:
+        """The controller itself, such as to learn from its phases, too."""
+        return self._program.controller
 
     def action(self, observation: Any) -> tuple[float, ...]:
         """Return what it does."""

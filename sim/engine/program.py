@@ -102,16 +102,16 @@ class BuiltIn:
     ) -> None:
         """Load a controller; `task` is what it uses the arm for."""
         controller = resolve_name(registry.controller_path(name, task))
-        self._controller: Controller = controller(config.for_program())
+        self.controller: Controller = controller(config.for_program())
         reference = name in registry.reference_controllers(task)
-        sees = reference and isinstance(self._controller, Oracle)
-        self.oracle: Oracle | None = self._controller if sees else None
+        sees = reference and isinstance(self.controller, Oracle)
+        self.oracle: Oracle | None = self.controller if sees else None
         self._arm = arm
         self._images: Images | None = None
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Reset the controller."""
-        self._controller.reset(level)
+        self.controller.reset(level)
 
     def show(self, images: Images) -> None:
         """Take the newest images, which the controller finds in its observation."""
@@ -120,4 +120,4 @@ class BuiltIn:
     def step(self, values: NDArray[np.float64]) -> Command:
         """Return the controller's command as floats: four, and perhaps the speeds of joints."""
         observation = Observation(values, self._arm, self._images)
-        return tuple(map(float, self._controller.step(observation)))
+        return tuple(map(float, self.controller.step(observation)))

@@ -33,6 +33,7 @@ def plan_of(seed: int, **options: Any) -> Plan:
     return Plan(task=task, first_seed=seed, **chosen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_the_bytes_do_not_depend_on_how_many_processes_write_them(
     written: Written, layout: str
@@ -44,6 +45,7 @@ def test_the_bytes_do_not_depend_on_how_many_processes_write_them(
     assert len(one) >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("benchmark", ARMED)
 @pytest.mark.parametrize("expert", ["scripted", "resolved-rate"])
 def test_every_benchmark_with_an_arm_has_demonstrations_of_its_experts(
@@ -92,6 +94,7 @@ def test_only_successes_are_the_first_ones_of_all_attempts(tmp_path: Path) -> No
     assert shown == [*((n, 0) for n in range(3)), *((n, 1) for n in range(3, 7)), (7, 2)]
 
 
+@pytest.mark.slow
 def test_an_expert_that_hardly_ever_succeeds_is_said(
     demonstrations: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,6 +108,7 @@ def test_an_expert_that_hardly_ever_succeeds_is_said(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_command_goes_on_where_it_was(
     written: Written, demonstrations: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

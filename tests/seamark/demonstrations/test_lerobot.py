@@ -14,11 +14,13 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+import pytest
 from numpy.typing import NDArray
 
 from tests.seamark.demonstrations.replay import replayed
 
 Written = Callable[..., Path]
+pytestmark = pytest.mark.slow  # all simulate
 CAMERAS = ("vehicle", "arm")
 
 

@@ -6,8 +6,11 @@ from typing import Any
 
 import minari
 import numpy as np
+import pytest
 
 from tests.seamark.demonstrations.replay import replayed
+
+pytestmark = pytest.mark.slow  # all simulate
 
 
 def test_minari_reads_episodes_that_the_environment_repeats_bit_for_bit(of_minari: Path) -> None:

@@ -6,10 +6,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import polars
+import pytest
 
 from tests.seamark.demonstrations.replay import replayed
 
 Written = Callable[..., Path]
+pytestmark = pytest.mark.slow  # all simulate
 
 
 def test_a_row_has_an_observation_and_what_the_expert_did_then(written: Written) -> None:
