@@ -18,6 +18,7 @@ BENCHMARKS = {  # the current ones first
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
     "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
+    "connect-v1": "seamark.sim.benchmarks.connect_v1.definition:BENCHMARK",
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
@@ -63,6 +64,10 @@ ARM_CONTROLLERS = {
         "resolved-rate": "seamark.sim.control.manipulation.valve:ResolvedRate",
         "scripted": "seamark.sim.control.manipulation.valve:Scripted",
     },
+    "connect": {
+        "resolved-rate": "seamark.sim.control.manipulation.connector:ResolvedRate",
+        "scripted": "seamark.sim.control.manipulation.connector:Scripted",
+    },
 }
 REFERENCE_ARM_CONTROLLERS = {
     "recover": {
@@ -74,6 +79,11 @@ REFERENCE_ARM_CONTROLLERS = {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.manipulation.valve:Blind",
         "oracle": "seamark.sim.control.manipulation.oracle:ValveOracle",
+    },
+    "connect": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+        "blind": "seamark.sim.control.manipulation.connector:Blind",
+        "oracle": "seamark.sim.control.manipulation.connector_oracle:ConnectorOracle",
     },
 }
 TRACKERS = {

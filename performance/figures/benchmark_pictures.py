@@ -23,7 +23,11 @@ SEED = 2026
 AMBER = (0, 176, 255)  # blue, green, red
 OFFSET = np.array([0.05, -0.04, 0.0, 0.02, 0.01, 0.15])  # [m, rad] from the station
 DISTANCES_M = {"controller": 2.27, "tracker": 1.27}  # of the camera from the target
-AT_WORK_S = {"recover-v1": 9.0, "valve-v1": 16.0}  # into a level of an arm's benchmark
+AT_WORK_S = {
+    "recover-v1": 9.0,
+    "valve-v1": 16.0,
+    "connect-v1": 26.0,
+}  # into a level of an arm's benchmark
 LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the first one's water
 
 

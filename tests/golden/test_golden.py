@@ -50,6 +50,7 @@ SHORT: dict[str, dict[str, object]] = {
     },
     "recover-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
     "valve-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
+    "connect-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
 }
 ARMS = {"bluerov2-heavy": "alpha-like", "bluerov2-heavy-v2": "alpha-like"}  # where they need one
 FURTHER: dict[str, tuple[str, dict[str, object]]] = {

@@ -47,6 +47,7 @@ LOW_M = 0.15  # of the tool above the grip, from which on it does not look
 BELIEVED_M = 0.03  # of a correction on the way down
 MOST_DRIFT_M_S = 0.02  # of the reckoning
 FASTEST_M_S = 0.25
+LEANING_S = 4.0  # over which the attitude is averaged
 SEE, COME, FALL, WORK = range(4)  # phases; subclasses may have more after these
 
 
@@ -286,6 +287,29 @@ class Approach(ABC):
     def _turn(self, joints: list[float], tilt: Matrix, yaw: float) -> float:
         """Return the yaw rate: the heading stays."""
         return 0.0
+
+
+class Steady(Approach):
+    """Lets the vehicle chase how it lies in the mean, not each swing."""
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.attitude = (0.0, 0.0, 0.0)
+        self.leaning = [0.0, 0.0]  # [rad] roll and pitch in the mean
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        """Return the command."""
+        self.attitude = self._attitude(observation)
+        return super().step(observation)
+
+    def _left(self, error: Vector, point: Vector, home: Vector, tilt: Matrix) -> Vector:
+        """Return what the vehicle must move; with the tool right as it lies in the mean."""
+        for axis in (0, 1):
+            off = self.attitude[axis] - self.leaning[axis]
+            self.leaning[axis] += off * self.dt / LEANING_S
+        mean = rotation(self.leaning[0], self.leaning[1], 0.0)
+        return minus(plus(error, applied(tilt, point)), applied(mean, home))
 
 
 class FirstLook(Approach):

@@ -7,15 +7,15 @@ slips off or the wrist ends too early, it comes up and starts again where the le
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from seamark.sim.control.manipulation.approach import (
     FALL,
     LOW_M,
     WORK,
-    Approach,
     ArmCompensates,
     FirstLook,
+    Steady,
     clipped,
     turned,
 )
@@ -23,7 +23,6 @@ from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import (
     Matrix,
     applied,
-    minus,
     plus,
     product,
     rotation,
@@ -44,7 +43,6 @@ LOOSE_S = 0.3  # for which no jaw must touch before the arm moves again
 FELT_N = 2.0  # of one jaw alone
 JAW_M, CONTACT_M = 0.055, 0.022  # of a jaw from the hand's middle, and from a lever that it touches
 EARLY_M, BACK_RAD, PAUSE_S = 0.006, 0.4, 1.5  # at which the hand steps back, how far, for how long
-LEANING_S = 4.0
 TURN_S = 25.0
 SLIPPED_M = 0.07  # of the tool from the handle's middle
 RISE_M_S = 0.06
@@ -53,7 +51,7 @@ LONG_S = 18.0  # to come down: the hand stands on the lever
 TURN, LEAVE = WORK, WORK + 1
 
 
-class TurnValve(Approach):
+class TurnValve(Steady):
     """The steps of turning a valve clockwise."""
 
     OPEN_RAD = 0.45
@@ -68,14 +66,7 @@ class TurnValve(Approach):
         self.turned = 0.0  # [rad] of the handle, as far as the wrist tells
         self.wrist_before = 0.0
         self.loose_s = LOOSE_S
-        self.attitude = (0.0, 0.0, 0.0)
-        self.leaning = [0.0, 0.0]  # [rad] roll and pitch in the mean
         self.gripped, self.pause_s = False, 0.0
-
-    def step(self, observation: Observation) -> Sequence[float]:
-        """Return the command."""
-        self.attitude = self._attitude(observation)
-        return super().step(observation)
 
     def _learn(self, seen: Seen, yaw: float, observation: Observation) -> None:
         super()._learn(seen, yaw, observation)
@@ -108,14 +99,6 @@ class TurnValve(Approach):
         super()._fall(off, above)
         if self.phase == FALL and (self.touching or self.since_s > LONG_S):
             self._go(LEAVE)
-
-    def _left(self, error: Vector, point: Vector, home: Vector, tilt: Matrix) -> Vector:
-        """Return what the vehicle must move; it chases how it lies in the mean, not each swing."""
-        for axis in (0, 1):
-            off = self.attitude[axis] - self.leaning[axis]
-            self.leaning[axis] += off * self.dt / LEANING_S
-        mean = rotation(self.leaning[0], self.leaning[1], 0.0)
-        return minus(plus(error, applied(tilt, point)), applied(mean, home))
 
     def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
         self._feel(joints)

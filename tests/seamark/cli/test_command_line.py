@@ -374,7 +374,7 @@ def test_init_writes_a_controller_but_overwrites_none(language: str) -> None:
     assert main.read_text() == "my own"
 
 
-@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1"])
+@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1", "connect-v1"])
 @pytest.mark.parametrize("language", starters(moves_arm=True))
 def test_init_writes_a_program_that_moves_an_arm_and_its_kinematics(
     language: str, benchmark: str

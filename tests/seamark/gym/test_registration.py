@@ -28,6 +28,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
         "seamark/VisualTracking-v2": "visibility-v2",
         "seamark/Recover-v1": "recover-v1",
         "seamark/Valve-v1": "valve-v1",
+        "seamark/Connect-v1": "connect-v1",
     }.items() <= seamark.gym.BENCHMARKS.items()
     assert set(seamark.gym.BENCHMARKS.values()) == set(registry.BENCHMARKS)
 

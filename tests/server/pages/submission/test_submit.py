@@ -172,7 +172,7 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
     )
 
 
-@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1"])
+@pytest.mark.parametrize("benchmark", ["recover-v1", "valve-v1", "connect-v1"])
 def test_the_editor_starts_with_a_program_that_moves_the_arm_where_there_is_one(
     site: Site, benchmark: str
 ) -> None:

@@ -1,0 +1,1 @@
+"""connect-v1: plug a connector into its receptacle with an arm."""

@@ -1,0 +1,156 @@
+"""What stands on the seabed in connect-v1, and what is drawn of it for a trial."""
+
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from seamark.sim.benchmarks.connect_v1.settings import SHAPE, ConnectConfiguration
+from seamark.sim.camera.target import Target
+from seamark.sim.metrics.connection import TIP_M
+from seamark.sim.multibody.assembly import Frame, Mounting
+from seamark.sim.multibody.workpiece import Workpiece
+from seamark.sim.numerics.libm import PI, sincos
+from seamark.sim.numerics.random_streams import Streams
+from seamark.sim.vehicles import Quantity
+from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
+from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.model import Place
+
+RECEPTACLE, CONNECTOR = "roof-receptacle", "connector"
+LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
+LIGHTEST_KG, HEAVIEST_KG = 0.8, 1.6
+PARKED_M, RAIL_M = 0.2, 0.03  # along the letters from the receptacle, and to either side of that
+ASKEW_RAD = 0.15  # of the handle to either side, about the vertical
+PEG_M = 0.02  # radius
+_PREFIX = "work: "
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConnectorDraw:
+    """What a trial draws of connector, receptacle and panel."""
+
+    heading_rad: float = 0.0  # of the panel's letters
+    height_m: float = SHAPE.height_m  # of the panel above the seabed
+    parked_m: float = PARKED_M  # along the letters from the receptacle
+    askew_rad: float = 0.0  # of the handle, from across the letters
+    mass_kg: float = 1.2
+    clearance_m: float = 0.005  # of the diameters
+    friction_factor: float = 1.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain JSON values."""
+        return asdict(self)
+
+
+def draw_connector(spread: ConnectConfiguration, random: Streams) -> ConnectorDraw:
+    """Return what a trial draws; the stream must be fresh."""
+    heading, height, parked, askew, mass, clearance, friction = random.trial_work.uniform(
+        0.0, 1.0, 7
+    ).tolist()
+    least, most = spread.clearance_least_m, spread.clearance_most_m
+    return ConnectorDraw(
+        heading_rad=PI * (2.0 * heading - 1.0),
+        height_m=LOWEST_M + (HIGHEST_M - LOWEST_M) * height,
+        parked_m=PARKED_M + RAIL_M * (2.0 * parked - 1.0),
+        askew_rad=ASKEW_RAD * (2.0 * askew - 1.0),
+        mass_kg=LIGHTEST_KG + (HEAVIEST_KG - LIGHTEST_KG) * mass,
+        clearance_m=least + (most - least) * clearance,
+        friction_factor=1.0 + spread.friction_spread * (2.0 * friction - 1.0),
+    )
+
+
+def target(drawn: ConnectorDraw) -> Target:
+    """Return the panel as the camera's target."""
+    return Target(
+        length_m=SHAPE.length_m,
+        width_m=SHAPE.width_m,
+        height_m=drawn.height_m,
+        heading_rad=drawn.heading_rad,
+    )
+
+
+@lru_cache(maxsize=4)
+def workpiece(drawn: ConnectorDraw) -> Workpiece:
+    """Return the connector in its parking place beside the receptacle."""
+    panel = target(drawn)
+    top, (right, down) = panel.top_centre(), panel.axes()
+    yaw = drawn.heading_rad + 0.5 * PI
+    sine, cosine = sincos(yaw)
+    north, east, face = top.tolist()
+    x, y = drawn.parked_m * cosine, drawn.parked_m * sine
+    connector = _weighed(load_linkage(CONNECTOR), drawn)
+    things = (
+        (_varied(load_linkage(RECEPTACLE), drawn), _place(north, east, face, yaw)),
+        (connector, _place(north + x, east + y, face - TIP_M, yaw + drawn.askew_rad)),
+    )
+    return Workpiece(
+        things=tuple(
+            Mounting(linkage=linkage, place=place, prefix=_PREFIX) for linkage, place in things
+        ),
+        link=f"{_PREFIX}connector",
+        shapes=tuple(f"{_PREFIX}{name}" for name in connector.shapes()),
+        grip=(0.0, 0.0, 0.0),
+        face=Frame(None, top, np.column_stack([right, down, [0.0, 0.0, 1.0]])),
+        size_m=(SHAPE.length_m, SHAPE.width_m),
+    )
+
+
+def _weighed(connector: Linkage, drawn: ConnectorDraw) -> Linkage:
+    """Return the connector with the mass and the friction of a trial."""
+    peg, *others = connector.links
+    if peg.body is None:
+        raise ValueError("the connector has no body")
+    mass = replace(peg.body.mass, value=(drawn.mass_kg,))
+    links = (replace(peg, body=replace(peg.body, mass=mass)), *others)
+    return replace(connector, links=tuple(_as_rough(link, drawn.friction_factor) for link in links))
+
+
+def _varied(receptacle: Linkage, drawn: ConnectorDraw) -> Linkage:
+    """Return the panel as high as a trial drew it, its hole as wide, its parking as far."""
+    panel, hole, parking = receptacle.links
+    links = _as_high(panel, drawn.height_m), _as_wide(hole, drawn), _as_far(parking, drawn.parked_m)
+    return replace(
+        receptacle, links=tuple(_as_rough(link, drawn.friction_factor) for link in links)
+    )
+
+
+def _as_high(panel: LinkData, height_m: float) -> LinkData:
+    """Return the panel, whose origin is on its face, as high as this above the seabed."""
+    (shape,), (solid,) = panel.shapes, panel.solids
+    long, wide, _ = shape.size.value
+    middle = (0.0, 0.0, 0.5 * height_m)
+    place = replace(shape.place, point=replace(shape.place.point, value=middle))
+    size = replace(shape.size, value=(long, wide, 0.5 * height_m))
+    block = replace(solid, centre=middle, size=(solid.size[0], solid.size[1], height_m))
+    return replace(panel, shapes=(replace(shape, place=place, size=size),), solids=(block,))
+
+
+def _as_wide(receptacle: LinkData, drawn: ConnectorDraw) -> LinkData:
+    (hole,) = receptacle.shapes
+    _, deep, funnel = hole.size.value
+    size = replace(hole.size, value=(PEG_M + 0.5 * drawn.clearance_m, deep, funnel))
+    return replace(receptacle, shapes=(replace(hole, size=size),))
+
+
+def _as_far(parking: LinkData, parked_m: float) -> LinkData:
+    place = parking.joint.place
+    there = replace(place, point=replace(place.point, value=(parked_m, 0.0, 0.0)))
+    return replace(parking, joint=replace(parking.joint, place=there))
+
+
+def _as_rough(link: LinkData, factor: float) -> LinkData:
+    def rough(shape: Touchable) -> Touchable:
+        friction = replace(shape.friction, value=(shape.friction.scalar * factor,))
+        return replace(shape, friction=friction)
+
+    return replace(link, shapes=tuple(map(rough, link.shapes)))
+
+
+def _place(north: float, east: float, down: float, yaw: float) -> Place:
+    return Place(point=_estimate("place", north, east, down), turn=_estimate("turn", 0.0, 0.0, yaw))
+
+
+def _estimate(meaning: str, *value: float) -> Quantity:
+    return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")

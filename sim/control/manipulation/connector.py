@@ -1,0 +1,290 @@
+"""Plugging a connector: grip its handle, take it out, bring it over the receptacle, push it in.
+
+The connector is parked beside the receptacle on the panel whose letters tell where both are. The
+jaws hold it upright and in the middle across its handle, so where the hand is, the peg is. On the
+way down, the force through the wrist limits how hard it pushes. If the tip stands before the bore,
+the hand lifts it and tries places around, farther and farther out. In the bore the hand goes where
+the bore takes it.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+from seamark.sim.control.manipulation.approach import (
+    BELIEVED_M,
+    LOW_M,
+    WORK,
+    ArmCompensates,
+    Steady,
+    turned,
+)
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.arm_reading import data_of, mount_of
+from seamark.sim.control.manipulation.kinematics import (
+    ArmKinematics,
+    Matrix,
+)
+from seamark.sim.control.manipulation.sight import find
+from seamark.sim.control.observation import Observation
+from seamark.sim.numerics.libm import PI, sincos
+from seamark.sim.vehicles import load
+from seamark.sim.vehicles.linkage_reading import load_linkage
+
+TIP_M = 0.19  # below the middle of the handle
+PARKED_M = 0.2  # along the letters from the receptacle
+CLOSE_S, OPEN_S = 2.5, 2.0
+EMPTY_RAD = -0.03  # of a jaw that has closed farther than a handle lets it
+RISE_M_S, LOWER_M_S, INSERT_M_S = 0.06, 0.06, 0.02
+CLEAR_M = 0.08  # of the tip above the face: out of the parking place
+YIELD_S = 0.5
+CARRY_M = 0.3  # of the tip above the face
+OVER_M, OVER_S = 0.03, 1.5  # horizontally, for which it must be over the receptacle to come down
+FACE_M = 0.03  # of the tip above the face, from where on it goes on slowly and feels
+# Of the hand along the tool: most in the bore, and before it, where more would tip the peg over,
+# since it swings in the jaws.
+PUSH_N, TOUCH_N = 50.0, 20.0
+GIVE_M = 0.005  # by which it gives way
+IN_M, SEATED_M = 0.03, 0.072  # of the tip below the face, in the bore and at its bottom
+QUIET_S = 0.6  # over which the height is smoothed: the depth is noisy
+AHEAD_M = 0.03  # of where the tip is asked to be, below it
+STEP_M = 0.004  # of a tip that goes on sinking
+STANDS_S, STUCK_S = 2.0, 6.0  # without that: at the bottom or before the bore, and within
+# Places that are tried after the first: how far from it, by how much farther each, at most; and the
+# angle from one to the next.
+FIRST_M, STRIDE_M, WIDEST_M, TURN_RAD = 0.01, 0.004, 0.035, 2.4
+LIFTED_M = 0.03  # of the tip above the face between them
+AWAY_M = 0.45  # of the tool above a seated connector's handle
+CLOSE, LIFT, CARRY, LOWER, INSERT, OPEN, LEAVE = range(WORK, WORK + 7)
+
+
+class PlugConnector(Steady):
+    """The steps of taking a connector, plugging it, and letting go."""
+
+    ABOVE_M, SLOW_M, SETTLE_S, DRIFT = 0.6, 0.15, 6.0, 0.06
+    BOTTOM_M = 0.0
+    HANDLE_M = TIP_M
+    HANDLE_RAD = 0.5 * PI
+    CARRIES: ClassVar[frozenset[int]] = frozenset({CARRY, LOWER, INSERT})
+    HOLDS: ClassVar[frozenset[int]] = frozenset({CLOSE, LIFT, CARRY, LOWER, INSERT})
+
+    def __init__(self, config: Mapping[str, Any]) -> None:
+        super().__init__(config)
+        self._of_hand = self.kinematics
+        vehicle, arm = load(config["vehicle"]), load_linkage(config["arm"])
+        data = data_of(arm)
+        (x, y, z), turn = data.tool
+        tip = data._replace(tool=((x + TIP_M, y, z), turn))
+        self._of_tip = ArmKinematics(tip, mount_of(vehicle, arm.name))
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.goal = PARKED_M  # [m] of the hand along the letters from the receptacle
+        self.beside = (0.0, 0.0)  # [m] north and east of that, in search
+        self.held_at = (0.0, 0.0)  # [m] north and east of the hand from the connector
+        self.tries, self.lifted = 0, False  # in search, and on the way to the next place
+        self.stood = False  # on something
+        self.height = 0.0  # [m] of the tool above a parked connector's handle
+        self.over_s = self.stands_s = self.lowest = 0.0
+        self.unloaded: float | None = None  # [N] through the wrist along the tool, in the water
+        self.pushing = 0.0  # [N] of the hand along the tool
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        """Return the command."""
+        along = float(observation.wrist_force[0])
+        if self.phase == CARRY:
+            before = along if self.unloaded is None else self.unloaded
+            self.unloaded = before + (along - before) * self.dt
+        self.pushing = along - (self.unloaded or 0.0)
+        self.kinematics = self._of_tip if self.phase in self.CARRIES else self._of_hand
+        return super().step(observation)
+
+    def _grip(self, observation: Observation, yaw: float) -> Vector:
+        """Return where the hand should be, but for the height above it."""
+        x, y, z = super()._grip(observation, yaw)
+        sine, cosine = sincos(self.handle - self.HANDLE_RAD)
+        north, east = self.goal * cosine + self.beside[0], self.goal * sine + self.beside[1]
+        ahead, side = turned((north, east, 0.0), -yaw)
+        lower = TIP_M if self.phase in self.CARRIES else 0.0
+        return x + ahead, y + side, z + lower
+
+    def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
+        """Learn where the panel is, with the connector in the hand, too."""
+        super()._look(observation, tilt, yaw)
+        looks = self.phase == CARRY or (self.phase == LOWER and self.offset > LOW_M)
+        if looks and self.work is not None and observation.target_visible:
+            seen = find(observation.corners.tolist(), self.face_m, self.camera, tilt)
+            if seen is not None:
+                north, east = turned(seen.centre, yaw)
+                off = self.place[0] + north - self.work[0], self.place[1] + east - self.work[1]
+                if off[0] * off[0] + off[1] * off[1] < BELIEVED_M * BELIEVED_M:
+                    self._correct((*off, 0.0))
+
+    def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
+        self.height += (self.offset + error[2] - self.height) * self.dt / QUIET_S
+        off = math.sqrt(error[0] * error[0] + error[1] * error[1])
+        if self.phase == CLOSE:
+            self._close(error)
+        elif self.phase == LIFT:
+            self._lift(error, joints)
+        elif self.phase == CARRY:
+            self._carry(off)
+        elif self.phase == LOWER:
+            self._lower(off)
+        elif self.phase == INSERT:
+            self._insert(error)
+        else:
+            self._leave()
+
+    def _close(self, error: Vector) -> None:
+        if self.since_s > CLOSE_S:
+            self._hold(error)
+            self._go(LIFT)
+
+    def _hold(self, error: Vector) -> None:
+        """Learn how the hand has the connector, whose tip stands on the face at its parking place.
+
+        Jaws centre what they close on across its handle, so that nothing is known of that side.
+        """
+        if self.work is None:
+            raise RuntimeError("the work has not been seen")
+        north, east, down = self.work
+        self.work = (north, east, down - self.height)
+        ahead, side = turned(error, self.attitude[2])
+        sine, cosine = sincos(self.handle)
+        along = ahead * cosine + side * sine
+        self.held_at = (-along * cosine, -along * sine)
+
+    def _lift(self, error: Vector, joints: list[float]) -> None:
+        if self.height < CLEAR_M:
+            self._yield(error)
+        if joints[self.jaw] < EMPTY_RAD:
+            self._again()
+        elif self._rise(CARRY_M):
+            self.goal, self.beside = 0.0, self.held_at
+            self._go(CARRY)
+
+    def _carry(self, off: float) -> None:
+        self.over_s = self.over_s + self.dt if off < OVER_M else 0.0
+        if self.over_s > OVER_S:
+            self._go(LOWER)
+
+    def _leave(self) -> None:
+        """Open the hand, then withdraw it."""
+        if self.phase == OPEN and self.since_s > OPEN_S:
+            self.offset = self.height
+            self._go(LEAVE)
+        elif self.phase == LEAVE:
+            self._rise(AWAY_M)
+
+    def _yield(self, error: Vector) -> None:
+        """Let the hand be where it is pushed to: what it holds is held by something else, too."""
+        north, east = turned(error, self.attitude[2])
+        share = self.dt / YIELD_S
+        self.beside = self.beside[0] - share * north, self.beside[1] - share * east
+
+    def _rise(self, most: float) -> bool:
+        """Return whether the hand is as high as this."""
+        if self.offset < most:
+            self.offset += RISE_M_S * self.dt
+            self.falling = -RISE_M_S
+        return self.offset >= most
+
+    def _sink(self, speed: float) -> None:
+        self.offset -= speed * self.dt
+        self.falling = speed
+
+    def _lower(self, off: float) -> None:
+        if self.offset > FACE_M:
+            if off < 2.0 * OVER_M:
+                self._sink(LOWER_M_S)
+        elif off < OVER_M:
+            self._go(INSERT)
+
+    def _insert(self, error: Vector) -> None:
+        """Push; try beside if the tip stands before the bore, and let go if it does so within."""
+        self.stands_s += self.dt
+        if self.height < self.lowest - STEP_M:
+            self.lowest, self.stands_s = self.height, 0.0
+        inside = self.lowest < -IN_M
+        if self.lifted:
+            self._come_down_again()
+        elif self.stands_s > (STANDS_S if self.lowest < -SEATED_M or not inside else STUCK_S):
+            self._let_go() if inside else self._try_beside()
+        elif self.pushing > (PUSH_N if inside else TOUCH_N):
+            self.stood = True
+            self.offset = max(self.offset, self.height + GIVE_M)
+        elif self.offset > self.height - AHEAD_M:
+            self._sink(INSERT_M_S)
+        if inside:
+            self._yield(error)
+
+    def _let_go(self) -> None:
+        self.offset = self.height
+        self._go(OPEN)
+
+    def _try_beside(self) -> None:
+        """Lift the tip off, since it does not slide but tips over, and choose the next place."""
+        self.tries += 1
+        radius = min(FIRST_M + STRIDE_M * self.tries, WIDEST_M)
+        sine, cosine = sincos(TURN_RAD * self.tries)
+        self.beside = self.held_at[0] + radius * cosine, self.held_at[1] + radius * sine
+        self.lifted, self.stood = True, False
+        self.offset = self.height
+
+    def _come_down_again(self) -> None:
+        self._rise(LIFTED_M)
+        if self.height > LIFTED_M - 0.01:
+            self.lifted = False
+            self.lowest, self.stands_s = self.height, 0.0
+
+    def _again(self) -> None:
+        super()._again()
+        self.goal, self.beside, self.tries = PARKED_M, (0.0, 0.0), 0
+        self.lowest, self.stood, self.lifted = 0.0, False, False
+
+    def _jaw_speed(self, joints: list[float]) -> float:
+        if self.phase in self.HOLDS:
+            return -self.kinematics.fastest[self.jaw]
+        return super()._jaw_speed(joints)
+
+
+class Scripted(PlugConnector):
+    """The vehicle alone goes where the hand is needed; the arm keeps one posture."""
+
+    label = "Scripted: the vehicle brings the hand"
+
+
+class Blind(Scripted):
+    """Sees the panel once, at the start, and then goes by dead reckoning."""
+
+    label = "Blind after the first look"
+
+    def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
+        if self.work is None:
+            super()._look(observation, tilt, yaw)
+
+
+class ResolvedRate(ArmCompensates, PlugConnector):
+    """The arm takes off what the vehicle leaves of the error, at the rate of its joints."""
+
+    GAIN_1_S = 0.7  # more, and the weight of the arm lets the vehicle roll
+
+    def _folded(self) -> bool:
+        return self._stiff()
+
+    def _posture(self, joints: list[float], wrist: float) -> list[float]:
+        """Return the speeds of the joints; the arm is stiff where something else holds the peg."""
+        speeds = super()._posture(joints, wrist)
+        if self._stiff():
+            for number in self.kinematics.reaching:
+                speeds[number] = 0.0
+        return speeds
+
+    def _stiff(self) -> bool:
+        """Return whether something else holds the connector."""
+        inserted = self.phase == INSERT and (self.stood or self.lowest < -IN_M)
+        return inserted or self.phase == OPEN
+
+    label = "Resolved rate: vehicle and arm together"

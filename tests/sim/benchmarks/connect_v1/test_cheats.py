@@ -1,0 +1,234 @@
+"""Programs that do not plug the connector with a hand stay at the bottom of connect-v1."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.connect_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.connect_v1.settings import ConnectConfiguration
+from seamark.sim.control.manipulation.arm_data import Vector
+from seamark.sim.control.manipulation.connector import (
+    INSERT,
+    LEAVE,
+    LOWER,
+    OPEN,
+    OPEN_S,
+    Blind,
+    Scripted,
+)
+from seamark.sim.control.observation import Observation
+from seamark.sim.engine.program import Command
+from seamark.sim.metrics.connection import STAGES, Connection
+from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
+from tests.sim.benchmarks import attempts
+from tests.sim.benchmarks.attempts import Driver, Playback
+
+pytestmark = pytest.mark.slow
+# The widest hole there is.
+CONFIG = ConnectConfiguration.read(
+    {"levels": [0.1], "clearance_least_m": 0.008, "tracker": "truth"}
+)
+SEED = 2026
+CREDIT = {stage.name: stage.credit for stage in STAGES}
+WEIGHT_N = 12.0  # of most connectors in water: a cheat that does less was no try
+TRIALS = (0, 1, 2)
+
+
+class Bulldozer(Scripted):
+    """Comes down beside the connector and drives through it, jaws first."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        command = list(super().step(observation))
+        self.offset = -0.03
+        if observation.t > 20.0:
+            command[0] = 0.4
+        return command
+
+    def _grip(self, observation: Observation, yaw: float) -> Vector:
+        ahead, side, down = super()._grip(observation, yaw)
+        return ahead - 0.3, side, down
+
+    def _advance(self, *arguments: Any) -> None:
+        self.falling = 0.0
+
+
+class Dropper(Scripted):
+    """Comes over the connector and lets the vehicle fall on it."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        command = list(super().step(observation))
+        if observation.t > 15.0:
+            command[2] = 1.0
+        return command
+
+    def _advance(self, *arguments: Any) -> None:
+        self.falling = 0.0
+
+
+class Presser(Scripted):
+    """Presses the closed hand on the parked connector."""
+
+    BOTTOM_M = -0.3
+
+    def _jaw_speed(self, joints: list[float]) -> float:
+        return -self.kinematics.fastest[self.jaw]
+
+
+class Thrower(Scripted):
+    """Takes the connector and drops it from above the receptacle."""
+
+    def _lower(self, off: float) -> None:
+        if self.height < 0.15:
+            self._let_go()
+        else:
+            super()._lower(off)
+
+
+class DropAndPress(Scripted):
+    """Lets go of the connector at the mouth and presses it down with the closed hand."""
+
+    def _insert(self, error: Vector) -> None:
+        if self.height < 0.0:
+            self._let_go()
+        else:
+            super()._insert(error)
+
+    def _leave(self) -> None:
+        if self.phase == OPEN and self.since_s > OPEN_S:
+            self.offset = self.height
+            self._go(LEAVE)
+        elif self.phase == LEAVE and self.since_s < 4.0:
+            self._rise(0.12)
+        elif self.phase == LEAVE and self.offset > -0.25:
+            self._sink(0.05)
+
+    def _jaw_speed(self, joints: list[float]) -> float:
+        if self.phase == LEAVE and self.since_s > 2.0:
+            return -self.kinematics.fastest[self.jaw]
+        return super()._jaw_speed(joints)
+
+
+class Still:
+    """Holds still."""
+
+    def reset(self, level: Any) -> None:
+        pass
+
+    def step(self, observation: Observation) -> Command:
+        return (0.0,) * 9
+
+
+class ByDvl(Scripted):
+    """Goes to where the panel is on average; it reads no image."""
+
+    def _look(self, observation: Observation, tilt: Any, yaw: float) -> None:
+        if self.work is None:
+            x, y, _ = self.camera.mount_m
+            sine, cosine = np.sin(yaw), np.cos(yaw)
+            depth = float(observation.depth) + 1.6 - self.HANDLE_M
+            self.work = (cosine * x - sine * y, sine * x + cosine * y, depth)
+            self.handle = yaw + 0.5 * np.pi + self.HANDLE_RAD
+
+
+def driver_of(controller: Any) -> Driver:
+    return Driver(controller, CONFIG)
+
+
+def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
+    """Return the rows of a level."""
+    return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
+
+
+def attempts_of(cheat: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+    """Return the rows of a level of each trial."""
+    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in TRIALS]
+
+
+def credit(rows: NDArray[np.float64]) -> float:
+    return float(EXPERIMENT.metrics(CONFIG, 0, rows)["credit"])
+
+
+def most(rows: NDArray[np.float64], name: str) -> float:
+    return float(rows[:, {**INDEX, **WORK_INDEX}[name]].max())
+
+
+def test_a_connector_that_is_bulldozed_gives_no_more_than_a_touch() -> None:
+    tries = attempts_of(Bulldozer)
+
+    assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
+    assert max(map(credit, tries)) <= CREDIT["touched"]
+
+
+def test_a_vehicle_that_is_dropped_on_the_connector_gives_no_more_than_a_touch() -> None:
+    tries = attempts_of(Dropper)
+
+    assert min(Connection(rows, CONFIG.control_period_s).strikes for rows in tries) > 0
+    assert max(map(credit, tries)) <= CREDIT["touched"]
+
+
+def test_a_closed_hand_that_presses_on_it_gives_no_more_than_a_touch() -> None:
+    tries = attempts_of(Presser)
+
+    assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
+    assert max(map(credit, tries)) <= CREDIT["touched"]
+
+
+def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more() -> None:
+    tries = attempts_of(Thrower)
+    fallen = [Connection(rows, CONFIG.control_period_s) for rows in tries]
+
+    assert max(map(credit, tries)) == CREDIT["unparked"]
+    assert max(float(one.depth_m[-1]) for one in fallen) > -0.05
+    assert max(float(one.inserted_m.max()) for one in fallen) == 0.0
+
+
+def test_one_that_is_let_go_at_the_mouth_and_pressed_down_was_not_inserted() -> None:
+    tries = attempts_of(DropAndPress)
+    pressed = [Connection(rows, CONFIG.control_period_s) for rows in tries]
+
+    assert max(float(one.depth_m.max()) for one in pressed) > 0.05
+    assert max(map(credit, tries)) == CREDIT["entered"]
+
+
+def test_who_flies_by_the_dvl_alone_does_not_take_the_connector() -> None:
+    assert max(map(credit, attempts_of(ByDvl))) <= CREDIT["touched"]
+
+
+def test_holding_still_gives_nothing() -> None:
+    rows = rows_of(driver_of(Still()))
+
+    assert credit(rows) == 0.0
+    assert most(rows, "contact_n") == 0.0
+
+
+def test_commands_that_plugged_a_connector_once_plug_it_again_but_no_other() -> None:
+    honest = driver_of(Scripted(CONFIG.for_program()))
+    assert credit(rows_of(honest, 0)) == CREDIT["completed"]
+    assert credit(rows_of(driver_of(Playback(honest.commands)), 0)) == CREDIT["completed"]
+
+    fresh = [
+        rows_of(driver_of(Playback(honest.commands)), trial, seed=SEED + 1) for trial in TRIALS
+    ]
+
+    assert sorted(map(credit, fresh))[1] <= CREDIT["touched"]
+    assert max(map(credit, fresh)) <= CREDIT["unparked"]
+
+
+def test_who_stops_looking_plugs_less_than_who_looks_on() -> None:
+    assert sum(map(credit, attempts_of(Blind))) < 0.5 * sum(map(credit, attempts_of(Scripted)))
+
+
+def test_the_scripted_entry_goes_through_all_its_steps() -> None:
+    seen = set()
+
+    class Watched(Scripted):
+        def _go(self, phase: int) -> None:
+            seen.add(phase)
+            super()._go(phase)
+
+    rows_of(driver_of(Watched(CONFIG.for_program())))
+
+    assert {LOWER, INSERT, OPEN, LEAVE} <= seen
