@@ -137,6 +137,11 @@ class Camera:
         interleave(blue, green, red, image.ravel())
         return image
 
+    def top_corners(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the top face's corners are, (4, 3) [m] NED, in the order of `corners`."""
+        self.follow(pose)
+        return self._points[:4].copy()
+
     def corners(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the image points (4, 2) [px] of the top face's corners; NaN behind the camera.
 

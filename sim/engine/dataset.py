@@ -82,7 +82,8 @@ belongs to the first step of the level; a tracker's results count from the secon
 - `optics`: `matrix` is the pinhole's; no distortion. `mount_m` is the position of the camera in
   the body frame [m]; it looks along the body's z axis, u points to starboard, v aft.
 - `target`: box on the seabed; `heading_rad` is where the tops of its letters point, clockwise from
-  north; `top_corners_m` (4, 3) are the corners of groundtruth.csv in the world frame.
+  north; `top_corners_m` (4, 3) are the corners of groundtruth.csv in the world frame: where an arm
+  works on the box or panel, as it lies in the first image.
 - `levels`: for each level its `value`; `water` (channels red, green, blue; `beer`: attenuation c
   [1/m] over the slant range; `uwsim`: density rho [1/m], exp(-(rho z)^2) over the depth; `veil` as
   a share of full scale; noise variance read_sigma_grey^2 + shot_gain * grey) and `effects`
@@ -254,10 +255,10 @@ def _cameras(replay: Replay, selected: Rows, config: Any) -> dict[str, Any]:
     """Return optics and target, and water and effects of every level among the images."""
     values = config.level_values()
     cameras = {level: replay.camera(*level) for level in _levels(selected)}
-    first = next(iter(cameras.values()))
+    first = replay.frame(selected[0])
     return {
-        "optics": _optics(first),
-        "target": asdict(first.target) | {"top_corners_m": first.target.top_corners().tolist()},
+        "optics": _optics(first.camera),
+        "target": asdict(first.camera.target) | {"top_corners_m": first.top_corners().tolist()},
         "levels": [
             {
                 "trial": trial,

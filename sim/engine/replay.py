@@ -69,6 +69,10 @@ class CameraFrame:
         """Return the true corners (4, 2) [px] of the target's top face."""
         return self.camera.corners(self.motion)
 
+    def top_corners(self) -> Row:
+        """Return where these corners are, (4, 3) [m] NED."""
+        return self.camera.top_corners(self.motion)
+
 
 class Replay:
     """The images of a run with one configuration; `seed_of` gives the seed of a trial."""

@@ -168,6 +168,7 @@ def test_the_layout_is_the_same_after_a_reload_and_on_another_run(
     expect(splitter).to_have_attribute("aria-valuenow", "25")
     expect(slider).to_have_value("0")  # the key moved the splitter, not the playhead
     page.get_by_text("All numbers").click()
+    expect(page.get_by_text("Simulated time", exact=True)).to_be_visible()
     page.reload()
 
     expect(splitter).to_have_attribute("aria-valuenow", "25")

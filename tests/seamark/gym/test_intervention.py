@@ -14,6 +14,7 @@ from seamark.gym.intervention import APPROACH_1_M, REWARDS
 from seamark.gym.spaces import named
 from seamark.gym.stable_baselines import SeamarkVecEnv
 from seamark.sim import registry
+from seamark.sim.control.manipulation.kinematics import applied, rotation
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import ARM_INDEX, ARM_JOINTS, INDEX, STEP_US
 
@@ -123,8 +124,8 @@ def test_the_dense_reward_is_the_credit_gained_and_the_way_of_the_tool_to_the_gr
 
 def test_the_true_work_and_tool_are_in_the_info() -> None:
     _, info = env_of("seamark/Recover-v1", settings=SHORT).reset(seed=5)
-    grip = info["workpiece"][:3] + np.array([0.0, 0.0, -0.17])
-    off = grip - info["tool"][:3]
+    turn = rotation(*info["workpiece"][3:])
+    off = info["workpiece"][:3] + applied(turn, (0.0, 0.0, -0.17)) - info["tool"][:3]
 
     assert info["reach"] == pytest.approx(np.linalg.norm(off))
     assert (info["credit"], info["stages"]) == (0.0, 0)

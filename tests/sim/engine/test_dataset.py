@@ -120,8 +120,9 @@ def test_intrinsics_and_pose_project_the_target_onto_its_corners(
         float(first["corner_u1"]) - float(first["corner_u0"]),
         float(first["corner_v1"]) - float(first["corner_v0"]),
     )
-    top = target["seabed_m"] - target["height_m"]
-    expected = focal * target["length_m"] / (top - float(first["camera_z"]))
+    left, right, *_ = np.array(target["top_corners_m"])
+    long, top = np.hypot(*(right - left)[:2]), 0.5 * (left + right)[2]
+    expected = focal * long / (top - float(first["camera_z"]))
     assert across == pytest.approx(expected, rel=0.02)  # the camera looks straight down, about
 
 
