@@ -26,5 +26,5 @@ BENCHMARK = intervention_benchmark(
         "blind": "Blind after one second",
         "oracle": "Oracle: knows the truth",
     },
-    scale=(0.0, 0.525),  # ./run performance intervention_headroom recover-v1
+    scale=(0.0, 0.508),  # ./run performance intervention_headroom recover-v1
 )
