@@ -48,6 +48,9 @@ def test_a_benchmark_without_an_arm_is_refused_with_the_names_of_those_that_have
     assert "valve-v1" in capsys.readouterr().out
 
 
+NOT_BETTER = {("connect-v1", "resolved-rate")}  # as docs/benchmarks.md says
+
+
 @pytest.mark.parametrize("name", SCORES)
 def test_each_entry_that_sees_is_better_than_the_one_below_it_by_more_than_the_interval(
     name: str,
@@ -57,6 +60,7 @@ def test_each_entry_that_sees_is_better_than_the_one_below_it_by_more_than_the_i
     steps = {
         (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=1)
         for worse, better in pairwise(order[1:])
+        if (name, better) not in NOT_BETTER
     }
 
     assert order == ["nothing", "blind", "scripted", "resolved-rate", "oracle"]
