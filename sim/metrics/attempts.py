@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from seamark.sim.metrics.energy import ENERGY
 from seamark.sim.metrics.metric import MAX, LevelMetric, MetricGroup
 from seamark.sim.metrics.stages import Attempt, Progress, Stage, first_run
@@ -14,6 +16,7 @@ NEAR_S = 1.0  # [s] for which the tool must be so near: nothing that drifts past
 TOUCH_N = 1.0  # [N]
 STRIKE_N = 250.0  # [N] E: over a control step; 200 kg that stop from 6 cm/s
 STRUCK = 0.5  # credit that is left after a strike
+SIDES_S = 0.5  # over which a hand must bear on the work from two sides
 
 
 class StagedAttempt(Attempt):
@@ -38,6 +41,27 @@ class StagedAttempt(Attempt):
                 break
             reached.append(at)
         return reached
+
+    def from_two_sides(self, share: float) -> Flags:
+        """Return whether the arm bears on the work from two sides, (k,).
+
+        Over `SIDES_S`, its net force is then at most this share of the sum of its contact forces:
+        it is all of it for a hand that pushes with one side, and nothing for a pure couple.
+        """
+        net, whole = (self._lately(self.column(name)) for name in ("work_push_n", "work_arm_n"))
+        flags: Flags = net <= share * whole
+        return flags
+
+    def _lately(self, values: Array) -> Array:
+        """Return the sum of the last values of `SIDES_S`, (k,)."""
+        steps, total = self.steps(SIDES_S), np.cumsum(values)
+        total[steps:] -= total[:-steps].copy()
+        return total
+
+    def strikes_of(self, force: Array) -> int:
+        """Return how often this force, (k,) [N], or that on the hull rises above `STRIKE_N`."""
+        blow = np.maximum(force, self.column("contact_n")) > STRIKE_N
+        return int(np.count_nonzero(np.diff(blow.astype(np.int8), prepend=0) > 0))
 
     @property
     def hull_peak_n(self) -> float:

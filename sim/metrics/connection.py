@@ -33,9 +33,7 @@ HALF_M, SEATED_M = 0.045, 0.08  # [m] of the tip below the face; the hole is 90 
 HOLDS_S = 0.25  # [s] for which what a stage asks for must last
 STAYS_S = 1.0  # [s] for which a seated connector must stay without the hand
 AWAY_M, AWAY_S = 0.3, 3.0  # [m] of the tool from the handle; [s] for which it must be away
-# The net force of the arm on the connector is at most this share of the sum of its contact forces,
-# over this time: all of it for a push from one side, and little for a hand that grips.
-ONE_SIDED, SIDES_S = 0.8, 0.5
+ONE_SIDED = 0.8  # share of the arm's forces from which one side pushes, and no hand grips
 
 STAGES = (
     Stage(name="reached", label="Reached the handle", credit=0.05),
@@ -63,16 +61,9 @@ class Connection(StagedAttempt):
 
     def _held(self) -> Flags:
         """Return whether the hand, and no hull, holds the connector, (k,)."""
-        net, whole = (self.lately(self.column(name)) for name in ("work_push_n", "work_arm_n"))
         near, hull = self.column("reach") <= GRASP_M, self.column("work_hull_n")
-        flags: Flags = self.touched & near & (hull == 0.0) & (net <= ONE_SIDED * whole)
+        flags: Flags = self.touched & near & (hull == 0.0) & self.from_two_sides(ONE_SIDED)
         return flags
-
-    def lately(self, values: Array) -> Array:
-        """Return the sum of the last values of `SIDES_S`, (k,)."""
-        steps, total = self.steps(SIDES_S), np.cumsum(values)
-        total[steps:] -= total[:-steps].copy()
-        return total
 
     def _tip(self) -> tuple[Array, Array]:
         """Return how far the tip is below the face, and from the receptacle's axis, (k,) [m]."""
@@ -118,8 +109,7 @@ class Connection(StagedAttempt):
     def strikes(self) -> int:
         """How often the hand struck something, or the hull anything."""
         force = np.stack([self.column(f"wrist_f{axis}") for axis in "xyz"])
-        blow = np.maximum(np.sqrt((force * force).sum(axis=0)), self.column("contact_n"))
-        return int(np.count_nonzero(np.diff((blow > STRIKE_N).astype(np.int8), prepend=0) > 0))
+        return self.strikes_of(np.sqrt((force * force).sum(axis=0)))
 
 
 def reached(rows: Rows, dt: float) -> tuple[int, ...]:

@@ -21,15 +21,13 @@ from seamark.sim.metrics.attempts import (
 )
 from seamark.sim.metrics.metric import SUM, LevelMetric, MetricGroup
 from seamark.sim.metrics.stages import Progress, Stage
-from seamark.sim.numerics.arrays import Array, Flags
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import Rows
 
 GRASP_M = 0.06  # [m] E: of the tool from the handle's middle, as far as jaws are open to each side
 GOALS_DEG = (30.0, 90.0, 170.0)  # S, the last: success in WasserMan's RotateValve
 HELD_S = 1.0  # [s] for which an angle must be held
-# The net force of the arm on the valve is at most this share of the sum of its contact forces, over
-# this time. It is all of it for a hand that pushes with one side, and nothing for a pure couple.
-ONE_SIDED, SIDES_S = 0.95, 0.5
+ONE_SIDED = 0.95  # share of the arm's forces from which it turns the handle with one side
 
 STAGES = (
     Stage(name="reached", label="Reached the handle", credit=0.05),
@@ -55,22 +53,10 @@ class Turning(StagedAttempt):
         """Return how far the handle was turned in the way that counts, (k,) [degrees]."""
         reach, hull = self.column("reach"), self.column("work_hull_n")
         turned = np.diff(self.column("workpiece_joint"), prepend=self.column("workpiece_joint")[:1])
-        counts = self.touched & (reach <= GRASP_M) & (hull == 0.0) & self._both_sides()
+        counts = self.touched & (reach <= GRASP_M) & (hull == 0.0) & self.from_two_sides(ONE_SIDED)
         turned[(turned > 0.0) & ~counts] = 0.0
         angle: Array = np.cumsum(turned) * (180.0 / math.pi)
         return angle
-
-    def _both_sides(self) -> Flags:
-        """Return whether the arm bears on the handle from two sides, (k,)."""
-        net, whole = (self._lately(self.column(name)) for name in ("work_push_n", "work_arm_n"))
-        flags: Flags = net <= ONE_SIDED * whole
-        return flags
-
-    def _lately(self, values: Array) -> Array:
-        """Return the sum of the last values of `SIDES_S`, (k,)."""
-        steps, total = self.steps(SIDES_S), np.cumsum(values)
-        total[steps:] -= total[:-steps].copy()
-        return total
 
     def _progress(self) -> Progress:
         """Return how far the attempt got."""
@@ -102,8 +88,7 @@ class Turning(StagedAttempt):
     @property
     def strikes(self) -> int:
         """How often the arm struck valve or panel, or the hull anything."""
-        blow = np.maximum(self.column("work_push_n"), self.column("contact_n")) > STRIKE_N
-        return int(np.count_nonzero(np.diff(blow.astype(np.int8), prepend=0) > 0))
+        return self.strikes_of(self.column("work_push_n"))
 
 
 def reached(rows: Rows, dt: float) -> tuple[int, ...]:

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from seamark.sim.benchmarks.connect_v1.settings import SHAPE, ConnectConfiguration
+from seamark.sim.benchmarks.intervention.things import as_high, as_rough, estimate
 from seamark.sim.camera.target import Target
 from seamark.sim.metrics.connection import TIP_M
 from seamark.sim.multibody.assembly import Frame, Mounting
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
-from seamark.sim.vehicles import Quantity
-from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
+from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.model import Place
 
@@ -104,27 +104,14 @@ def _weighed(connector: Linkage, drawn: ConnectorDraw) -> Linkage:
         raise ValueError("the connector has no body")
     mass = replace(peg.body.mass, value=(drawn.mass_kg,))
     links = (replace(peg, body=replace(peg.body, mass=mass)), *others)
-    return replace(connector, links=tuple(_as_rough(link, drawn.friction_factor) for link in links))
+    return replace(connector, links=tuple(as_rough(link, drawn.friction_factor) for link in links))
 
 
 def _varied(receptacle: Linkage, drawn: ConnectorDraw) -> Linkage:
     """Return the panel as high as a trial drew it, its hole as wide, its parking as far."""
     panel, hole, parking = receptacle.links
-    links = _as_high(panel, drawn.height_m), _as_wide(hole, drawn), _as_far(parking, drawn.parked_m)
-    return replace(
-        receptacle, links=tuple(_as_rough(link, drawn.friction_factor) for link in links)
-    )
-
-
-def _as_high(panel: LinkData, height_m: float) -> LinkData:
-    """Return the panel, whose origin is on its face, as high as this above the seabed."""
-    (shape,), (solid,) = panel.shapes, panel.solids
-    long, wide, _ = shape.size.value
-    middle = (0.0, 0.0, 0.5 * height_m)
-    place = replace(shape.place, point=replace(shape.place.point, value=middle))
-    size = replace(shape.size, value=(long, wide, 0.5 * height_m))
-    block = replace(solid, centre=middle, size=(solid.size[0], solid.size[1], height_m))
-    return replace(panel, shapes=(replace(shape, place=place, size=size),), solids=(block,))
+    links = as_high(panel, drawn.height_m), _as_wide(hole, drawn), _as_far(parking, drawn.parked_m)
+    return replace(receptacle, links=tuple(as_rough(link, drawn.friction_factor) for link in links))
 
 
 def _as_wide(receptacle: LinkData, drawn: ConnectorDraw) -> LinkData:
@@ -140,17 +127,5 @@ def _as_far(parking: LinkData, parked_m: float) -> LinkData:
     return replace(parking, joint=replace(parking.joint, place=there))
 
 
-def _as_rough(link: LinkData, factor: float) -> LinkData:
-    def rough(shape: Touchable) -> Touchable:
-        friction = replace(shape.friction, value=(shape.friction.scalar * factor,))
-        return replace(shape, friction=friction)
-
-    return replace(link, shapes=tuple(map(rough, link.shapes)))
-
-
 def _place(north: float, east: float, down: float, yaw: float) -> Place:
-    return Place(point=_estimate("place", north, east, down), turn=_estimate("turn", 0.0, 0.0, yaw))
-
-
-def _estimate(meaning: str, *value: float) -> Quantity:
-    return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")
+    return Place(point=estimate("place", north, east, down), turn=estimate("turn", 0.0, 0.0, yaw))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sim.benchmarks.intervention.things import as_rough, estimate
 from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.recover_v1.settings import SHAPE, RecoverConfiguration
 from seamark.sim.camera.target import Target
@@ -16,7 +17,6 @@ from seamark.sim.multibody.assembly import Frame, Mounting
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
-from seamark.sim.vehicles import Quantity
 from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.model import Place
@@ -68,19 +68,19 @@ def workpiece(drawn: BoxDraw) -> Workpiece:
     """Return the box on its stone."""
     box = target(drawn)
     ground = np.array([box.north_m, box.east_m, box.seabed_m - RAISED_M])
-    turn = _estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI))
+    turn = estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI))
     up = drawn.tilt.matrix()[:, 2] * (0.5 * SHAPE.height_m)
     linkage = _varied(load_linkage(BOX), drawn)
     return Workpiece(
         things=(
             Mounting(
                 linkage=linkage,
-                place=Place(point=_estimate("place", *(ground - up).tolist()), turn=turn),
+                place=Place(point=estimate("place", *(ground - up).tolist()), turn=turn),
                 prefix=_PREFIX,
             ),
             Mounting(
                 linkage=load_linkage(STONE),
-                place=Place(point=_estimate("place", *ground.tolist()), turn=turn),
+                place=Place(point=estimate("place", *ground.tolist()), turn=turn),
                 prefix=_STONE_PREFIX,
             ),
         ),
@@ -97,18 +97,5 @@ def _varied(box: Linkage, drawn: BoxDraw) -> Linkage:
     if link.body is None:
         raise ValueError("the box has no body")
     mass = replace(link.body.mass, value=(link.body.mass.scalar + drawn.mass_kg,))
-    shapes = tuple(
-        replace(
-            shape,
-            friction=replace(
-                shape.friction, value=(shape.friction.scalar * drawn.friction_factor,)
-            ),
-        )
-        for shape in link.shapes
-    )
-    varied = replace(link, body=replace(link.body, mass=mass), shapes=shapes)
-    return replace(box, links=(varied,))
-
-
-def _estimate(meaning: str, *value: float) -> Quantity:
-    return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")
+    varied = replace(link, body=replace(link.body, mass=mass))
+    return replace(box, links=(as_rough(varied, drawn.friction_factor),))

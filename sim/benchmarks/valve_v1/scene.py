@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sim.benchmarks.intervention.things import as_high, as_rough, estimate
 from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.valve_v1.settings import SHAPE, ValveConfiguration
 from seamark.sim.camera.target import Target
@@ -13,8 +14,7 @@ from seamark.sim.multibody.assembly import Frame, Mounting
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
-from seamark.sim.vehicles import Quantity
-from seamark.sim.vehicles.linkage import Linkage, LinkData, Touchable
+from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.matrices import multiplied
 from seamark.sim.vehicles.model import Place
@@ -74,8 +74,8 @@ def workpiece(drawn: ValveDraw) -> Workpiece:
     top, (right, down) = panel.top_centre(), panel.axes()
     level = np.column_stack([right, down, [0.0, 0.0, 1.0]])
     place = Place(
-        point=_estimate("place", *top.tolist()),
-        turn=_estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)),
+        point=estimate("place", *top.tolist()),
+        turn=estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)),
     )
     linkage = _varied(load_linkage(VALVE), drawn)
     return Workpiece(
@@ -95,29 +95,5 @@ def _varied(valve: Linkage, drawn: ValveDraw) -> Linkage:
         raise ValueError("the handle turns without friction")
     torques = drawn.torque_n_m, drawn.torque_n_m * drawn.sliding_share
     stiff = replace(handle.joint, friction=replace(handle.joint.friction, value=torques))
-    links = _as_high(panel, drawn.height_m), replace(handle, joint=stiff)
-    return replace(valve, links=tuple(_as_rough(link, drawn.friction_factor) for link in links))
-
-
-def _as_high(panel: LinkData, height_m: float) -> LinkData:
-    """Return the panel, whose origin is on its face, as high as this above the seabed."""
-    height_m += SUNK_M
-    (shape,), (solid,) = panel.shapes, panel.solids
-    long, wide, _ = shape.size.value
-    middle = (0.0, 0.0, 0.5 * height_m)
-    place = replace(shape.place, point=replace(shape.place.point, value=middle))
-    size = replace(shape.size, value=(long, wide, 0.5 * height_m))
-    block = replace(solid, centre=middle, size=(solid.size[0], solid.size[1], height_m))
-    return replace(panel, shapes=(replace(shape, place=place, size=size),), solids=(block,))
-
-
-def _as_rough(link: LinkData, factor: float) -> LinkData:
-    def rough(shape: Touchable) -> Touchable:
-        friction = replace(shape.friction, value=(shape.friction.scalar * factor,))
-        return replace(shape, friction=friction)
-
-    return replace(link, shapes=tuple(map(rough, link.shapes)))
-
-
-def _estimate(meaning: str, *value: float) -> Quantity:
-    return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")
+    links = as_high(panel, drawn.height_m + SUNK_M), replace(handle, joint=stiff)
+    return replace(valve, links=tuple(as_rough(link, drawn.friction_factor) for link in links))

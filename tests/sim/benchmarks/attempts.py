@@ -27,6 +27,16 @@ class Driver:
         return command
 
 
+class Still:
+    """Holds still."""
+
+    def reset(self, level: Any) -> None:
+        pass
+
+    def step(self, observation: Observation) -> Command:
+        return (0.0,) * 9
+
+
 class Playback:
     """Repeats the commands of a run that it has seen."""
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from seamark.sim.metrics.attempts import STRIKE_N, STRUCK
-from seamark.sim.metrics.valve_turning import GRASP_M, METRICS, SIDES_S, STAGES, Turning
+from seamark.sim.metrics.attempts import SIDES_S, STRIKE_N, STRUCK
+from seamark.sim.metrics.valve_turning import GRASP_M, METRICS, STAGES, Turning
 from seamark.sim.numerics.libm import PI
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX, Rows, width_for
 

@@ -20,11 +20,10 @@ from seamark.sim.control.manipulation.connector import (
     Scripted,
 )
 from seamark.sim.control.observation import Observation
-from seamark.sim.engine.program import Command
 from seamark.sim.metrics.connection import STAGES, Connection
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
 from tests.sim.benchmarks import attempts
-from tests.sim.benchmarks.attempts import Driver, Playback
+from tests.sim.benchmarks.attempts import Driver, Playback, Still
 
 pytestmark = pytest.mark.slow
 # The widest hole there is.
@@ -109,16 +108,6 @@ class DropAndPress(Scripted):
         if self.phase == LEAVE and self.since_s > 2.0:
             return -self.kinematics.fastest[self.jaw]
         return super()._jaw_speed(joints)
-
-
-class Still:
-    """Holds still."""
-
-    def reset(self, level: Any) -> None:
-        pass
-
-    def step(self, observation: Observation) -> Command:
-        return (0.0,) * 9
 
 
 class ByDvl(Scripted):

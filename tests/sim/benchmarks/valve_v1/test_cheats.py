@@ -14,13 +14,12 @@ from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import plus
 from seamark.sim.control.manipulation.valve import TURN, Blind, Scripted
 from seamark.sim.control.observation import Observation
-from seamark.sim.engine.program import Command
 from seamark.sim.metrics.attempts import STRIKE_N
 from seamark.sim.metrics.valve_turning import GOALS_DEG, STAGES
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
 from tests.sim.benchmarks import attempts
-from tests.sim.benchmarks.attempts import Driver, Playback
+from tests.sim.benchmarks.attempts import Driver, Playback, Still
 
 pytestmark = pytest.mark.slow
 # The weakest valve there is, which turns most easily.
@@ -86,16 +85,6 @@ class Flicker(Scripted):
 
     def _jaw_speed(self, joints: list[float]) -> float:
         return -self.kinematics.fastest[self.jaw]
-
-
-class Still:
-    """Holds still."""
-
-    def reset(self, level: Any) -> None:
-        pass
-
-    def step(self, observation: Observation) -> Command:
-        return (0.0,) * 9
 
 
 class ByDvl(Scripted):
