@@ -68,6 +68,11 @@ def _around(
     return slice(upper, lower), slice(left, right)
 
 
+def _at(columns: NDArray[np.bool_], rows: NDArray[np.bool_]) -> tuple[NDArray[np.intp], ...]:
+    """Return the index of all samples of these columns and rows."""
+    return np.ix_(np.flatnonzero(rows), np.flatnonzero(columns))
+
+
 def _grid(length: float, width: float, columns: int, rows: int) -> tuple[NDArray[np.float64], ...]:
     """Return sample positions in units of the face's width, the origin at the upper left."""
     u = (np.arange(columns * OVERSAMPLING) + 0.5) / (columns * OVERSAMPLING) * (length / width)
@@ -82,8 +87,9 @@ def _averaged(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     total = np.zeros((samples.shape[0] // OVERSAMPLING, samples.shape[1] // OVERSAMPLING))
     for dj in range(OVERSAMPLING):
         for di in range(OVERSAMPLING):
-            total = total + samples[dj::OVERSAMPLING, di::OVERSAMPLING]
-    return total / OVERSAMPLING**2
+            total += samples[dj::OVERSAMPLING, di::OVERSAMPLING]
+    total /= OVERSAMPLING**2
+    return total
 
 
 def _smoothed(texels: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -107,6 +113,36 @@ def _painted(
     return np.where(distance < half, tone, base)
 
 
+def _striped(
+    base: NDArray[np.float64], stripe: NDArray[np.float64], tone: float
+) -> NDArray[np.float64]:
+    """Paint the first half of each stripe, where stripes are counted from 0."""
+    return np.where(stripe - np.floor(stripe) < 0.5, tone, base)
+
+
+def _with_rim_and_bolts(
+    samples: tuple[NDArray[np.float64], ...],
+    wide: float,
+    base: float,
+    rim: tuple[float, float],
+    bolts: tuple[float, float, float],
+) -> NDArray[np.float64]:
+    """Return a face with a rim (width, tone) and bolts (distance from the edges, radius, tone)."""
+    u, v = samples
+    across, down = u[0], v[:, 0]
+    out = np.full(u.shape, base)
+    width, tone = rim
+    out[:, np.minimum(across, wide - across) < width] = tone
+    out[np.minimum(down, 1 - down) < width] = tone
+    edge, radius, tone = bolts
+    for x in (edge, wide - edge):
+        for y in (edge, 1.0 - edge):
+            near = _around(u, v, (x, y, x, y), radius)
+            distance = np.sqrt((u[near] - x) ** 2 + (v[near] - y) ** 2)
+            out[near] = _painted(out[near], distance, radius, tone)
+    return out
+
+
 @lru_cache(maxsize=32)
 def face(
     length_m: float, width_m: float, texel_m: float, channel: int, *, lettered: bool = True
@@ -127,23 +163,19 @@ def face(
     columns, rows = round(length_m / texel_m), round(width_m / texel_m)
     u, v = _grid(length_m, width_m, columns, rows)
     wide = length_m / width_m
-    out = np.full(u.shape, BLACK)
     if not lettered:
-        return _averaged(out)
-    rim = np.minimum(np.minimum(u, wide - u), np.minimum(v, 1 - v))
-    out = np.where(rim < 0.05, 0.11, out)  # worn edges are lighter
-    for x in (0.16, wide - 0.16):
-        for y in (0.16, 0.84):
-            out = _painted(out, np.sqrt((u - x) ** 2 + (v - y) ** 2), 0.055, 0.42)
+        return _averaged(np.full(u.shape, BLACK))
+    # Worn edges are lighter.
+    out = _with_rim_and_bolts((u, v), wide, BLACK, (0.05, 0.11), (0.16, 0.055, 0.42))
     if wide < 2:
         return _smoothed(_smoothed(_averaged(out)))
     for stroke in _segments(TEXT, x=0.32, y=0.26, height=0.44, pitch=0.345):
         near = _around(u, v, stroke, 0.042)
         out[near] = _painted(out[near], _distance(u[near], v[near], stroke), 0.042, WHITE)
-    mark = (u > wide - 0.48) & (u < wide - 0.29) & (v > 0.26) & (v < 0.74)
-    stripe = (u + v) * 4.2
-    out = np.where(mark & (stripe - np.floor(stripe) < 0.5), AMBER[channel], out)
-    out = np.where((np.abs(v - 0.86) < 0.025) & (u > 0.36) & (u < 2.2), 0.34, out)
+    across, down = u[0], v[:, 0]
+    mark = _at((across > wide - 0.48) & (across < wide - 0.29), (down > 0.26) & (down < 0.74))
+    out[mark] = _striped(out[mark], (u[mark] + v[mark]) * 4.2, AMBER[channel])
+    out[_at((across > 0.36) & (across < 2.2), np.abs(down - 0.86) < 0.025)] = 0.34
     return _smoothed(_smoothed(_averaged(out)))
 
 
@@ -158,12 +190,8 @@ def label(
     columns, rows = max(round(length_m / texel_m), 2), max(round(width_m / texel_m), 2)
     u, v = _grid(length_m, width_m, columns, rows)
     wide = length_m / width_m
-    out = np.full(u.shape, albedo)
-    rim = np.minimum(np.minimum(u, wide - u), np.minimum(v, 1 - v))
-    out = np.where(rim < 0.04, 0.6 * albedo, out)
-    for x in (0.1, wide - 0.1):
-        for y in (0.1, 0.9):
-            out = _painted(out, np.sqrt((u - x) ** 2 + (v - y) ** 2), 0.035, ink)
+    rim, bolts = (0.04, 0.6 * albedo), (0.1, 0.035, ink)
+    out = _with_rim_and_bolts((u, v), wide, albedo, rim, bolts)
     # Text of seven letters, 5.5 times as wide as high.
     height = min(0.5, 0.8 * wide / 5.5)
     left, top = 0.5 * (wide - 5.4 * height), 0.42 - 0.5 * height
@@ -171,7 +199,7 @@ def label(
     for stroke in _segments(TEXT, x=left, y=top, height=height, pitch=0.784 * height):
         near = _around(u, v, stroke, half)
         out[near] = _painted(out[near], _distance(u[near], v[near], stroke), half, ink)
-    bar = (np.abs(v - 0.76) < 0.05) & (u > left) & (u < wide - left)
-    stripe = (u + v) * 6.0
-    out = np.where(bar & (stripe - np.floor(stripe) < 0.5), ink, out)
+    across, down = u[0], v[:, 0]
+    bar = _at((across > left) & (across < wide - left), np.abs(down - 0.76) < 0.05)
+    out[bar] = _striped(out[bar], (u[bar] + v[bar]) * 6.0, ink)
     return _smoothed(_smoothed(_averaged(out)))
