@@ -74,14 +74,25 @@ def create_app(settings: Settings) -> OpenAPI:
 
 
 SHARE_EVERY_S = 5.0
+# When a service starts, its first pages and its worker need the cores more than the camera's code.
+# Whoever asks for an image before that waits while it is loaded.
+CAMERA_AFTER_S = 20.0
 
 
 def prepare() -> None:
-    """Load and compile what requests need, and keep it from the garbage collector.
-
-    A full collection stopped all requests for 0.14 s to look at 300,000 objects that stay.
-    """
+    """Load and compile what requests need, and keep it from the garbage collector."""
     camera_view.warm_up()
+    _keep_what_is_loaded()
+
+
+def _prepare_later() -> None:
+    _keep_what_is_loaded()
+    time.sleep(CAMERA_AFTER_S)
+    prepare()
+
+
+def _keep_what_is_loaded() -> None:
+    """Hide it from the collector: looking at 300,000 objects stopped all requests for 0.14 s."""
     gc.collect()
     gc.freeze()
 
@@ -94,7 +105,7 @@ class WebApplication(AsgiApplication):
         super().__init__(app, partial(body_limits.body_max, settings), request_log.write)
         self.proxies = settings.proxies
         self._services: Services = app.extensions["seamark"]
-        threading.Thread(target=prepare, name="prepare", daemon=True).start()
+        threading.Thread(target=_prepare_later, name="prepare", daemon=True).start()
         threading.Thread(target=self._share_meters, name="meters", daemon=True).start()
 
     def _share_meters(self) -> None:
