@@ -5,6 +5,7 @@ import csv
 import hashlib
 import io
 import json
+import os
 import subprocess
 import sys
 import tomllib
@@ -17,6 +18,7 @@ import pytest
 
 from seamark.server.pages.docs.docs import EXTRAS
 from seamark.server.web.own_wheel import CLIENT, LEFT_OUT, MADE_HERE, TAGS, OwnWheel, Wheel
+from seamark.sim.numerics.numba_internals import numba_folder
 
 ROOT = Path(__file__).parents[3]
 HOST = "http://water.example"
@@ -188,7 +190,6 @@ def test_a_service_of_packages_that_it_would_not_see_is_refused(
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(900)
 def test_it_runs_beside_folders_with_the_names_of_the_checkout(
     installed: Path, tmp_path: Path
 ) -> None:
@@ -201,6 +202,8 @@ def test_it_runs_beside_folders_with_the_names_of_the_checkout(
     done = subprocess.run(
         [installed, "-m", "seamark.cli.main", "run", "currents-v1", "--seed", "7", *options],
         cwd=tmp_path,
+        # It is named after the sources: equal files find what those of the checkout compiled.
+        env=os.environ | {"NUMBA_CACHE_DIR": str(numba_folder(os.environ))},
         capture_output=True,
         text=True,
         check=False,
