@@ -58,6 +58,7 @@ def test_an_image_that_a_policy_changes_is_whole_again_in_the_next_observation()
         assert observation["image_arm"].tobytes() == first.tobytes()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*:UserWarning")
 def test_the_checker_of_gymnasium_has_no_objections() -> None:
     with make() as env:

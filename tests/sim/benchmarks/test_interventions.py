@@ -55,6 +55,7 @@ def test_trials_tilt_their_work_by_up_to_the_spread_about_any_axis(name: str) ->
     assert max(axes) > 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INTERVENTIONS)
 def test_the_face_that_is_tracked_is_tilted_as_its_trial_says(name: str) -> None:
     experiment, config = intervention(name), config_of(name)
@@ -75,6 +76,7 @@ def test_the_face_that_is_tracked_is_tilted_as_its_trial_says(name: str) -> None
         assert abs(down @ across) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INTERVENTIONS)
 def test_suspended_matter_adds_its_optical_depth_to_the_water_of_the_settings(name: str) -> None:
     experiment, config = intervention(name), config_of(name)

@@ -30,6 +30,7 @@ def contents(state: State) -> list[bytes]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2])
 def test_mechanisms_that_touch_different_things_have_the_bits_of_single_ones(threads: int) -> None:
     rng = np.random.Generator(np.random.PCG64(7))

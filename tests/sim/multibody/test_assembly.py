@@ -67,6 +67,7 @@ def test_a_vehicle_with_an_arm_weighs_as_much_as_both(name: str) -> None:
     assert all(speed > 0.0 for speed in assembly.fastest)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_that_is_told_to_rest_stays_where_it_is(name: str) -> None:
     ahead = Mounting(linkage=load_linkage(name), place=place(1.2, 0.0, 0.4), on_vehicle=True)

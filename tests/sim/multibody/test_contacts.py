@@ -123,6 +123,7 @@ def test_a_push_below_the_friction_limit_moves_nothing_and_one_above_it_moves_as
     assert above.state.v[0] - before == pytest.approx(gained, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_box_that_falls_on_a_corner_comes_to_rest_on_a_side_without_sinking_in() -> None:
     scene = box_on_the_bottom()
     scene.state.q[2] = GROUND.depth - 0.6
@@ -197,6 +198,7 @@ def gripper(*, effort: float, bar_weight: float) -> Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_a_bar_held_by_friction_does_not_creep_in_a_minute() -> None:
     scene = gripper(effort=40.0, bar_weight=15.0)
     scene.run(500)

@@ -13,6 +13,7 @@ from tests.sim.multibody.scenes import GROUND, STEP_S, vehicle_with_arm
 TIMING = Timing(STEP_S, 10)
 
 
+@pytest.mark.slow
 def test_joints_transmit_what_their_rows_give_and_nothing_is_left_over_at_the_vehicle() -> None:
     mechanism = vehicle_with_arm()
     model = mechanism.model(STEP_S)

@@ -31,6 +31,7 @@ def test_percentiles_are_those_of_numpy(values: list[float], share: float) -> No
     assert percentile(values, share) == pytest.approx(np.quantile(values, share), abs=1e-9)
 
 
+@pytest.mark.slow
 @given(values=scores)
 def test_the_interval_is_that_of_scipy(values: list[float]) -> None:
     assume(len(set(values)) > 1)

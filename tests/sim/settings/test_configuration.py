@@ -131,6 +131,7 @@ def test_defaults_and_presets_are_valid_under_the_schema(currents: Benchmark) ->
     assert currents.read(defaults) == currents.read({})
 
 
+@pytest.mark.slow
 @given(
     setting=st.sampled_from(
         [

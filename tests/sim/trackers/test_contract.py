@@ -27,6 +27,7 @@ Sequence = Any  # conftest's class; a test folder is no package
 LIMITS_PX = {"homography": 0.3, "affine": 1.0, "srt": 1.0, "rt": 6.0, "translation": 9.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("warp", WARPS)
 def test_every_criterion_and_method_follows_the_target_with_every_warp(
     brief: Sequence, warp: str

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from performance.figures import demo_recording
 from seamark import templates
 from seamark.server.runs.showing import camera_view, recorded_demo, scene
@@ -41,6 +43,7 @@ def test_there_is_a_small_image_for_each_second() -> None:
     assert recorded_demo.small_image(12.9) == images[12]
 
 
+@pytest.mark.slow
 def test_the_rendered_image_is_shown_as_soon_as_it_takes_no_time(settings: Settings) -> None:
     camera_view.warm_up()
 

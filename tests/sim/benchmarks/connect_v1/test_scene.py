@@ -96,6 +96,7 @@ def test_the_connector_stands_in_its_parking_place_until_it_is_taken() -> None:
     assert rows[1:, WORK_INDEX["work_rest_n"]].min() > 0.0
 
 
+@pytest.mark.slow
 def test_the_same_trial_gives_the_same_bytes_twice() -> None:
     assert digest(run()) == digest(run())
     assert digest(run()) != digest(run(seed=2027))
