@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from seamark.client import Run, Sweep
     from seamark.client.documents import PublicationTerms, SubmissionOptions
 
+GUEST = (
+    "Without a token, what you submit belongs to a guest whom only this command knows: no browser "
+    "can open its page. Create an account and name its token with --token."
+)
+
 
 @click.command()
 @benchmark_argument
@@ -122,6 +127,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
             raise UsageRefused(f"{file} cannot be read: {error.strerror}.") from None
         if vehicle is not None and not as_json:
             click.echo(printable_text(f"The vehicle of {vehicle} is uploaded."))
+        if not token:
+            click.echo(GUEST, err=True)
         if axes:
             _finish_sweep(sweep, wait=wait, as_json=as_json)
         else:

@@ -46,6 +46,18 @@ def test_a_file_is_submitted_as_a_program_of_ones_own(
 
 
 @pytest.mark.slow
+def test_who_submits_without_a_token_is_told_that_no_browser_can_open_the_page(
+    address: str, token: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SEAMARK_TOKEN", raising=False)
+    as_guest = CliRunner().invoke(cli, ["submit", "currents-v1", "--server", address])
+    in_account = submit(address, token)
+
+    assert "no browser can open its page" in as_guest.stderr
+    assert in_account.stderr == ""
+
+
+@pytest.mark.slow
 @pytest.mark.usefixtures("worker")
 def test_a_run_is_published_on_the_terms_that_the_options_name(
     address: str, token: str, program: Path
