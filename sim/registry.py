@@ -73,6 +73,7 @@ REFERENCE_ARM_CONTROLLERS = {
     "recover": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.manipulation.recover:Blind",
+        "imitation": "seamark.sim.control.manipulation.imitation.controller:Imitation",
         "oracle": "seamark.sim.control.manipulation.oracle:RecoverOracle",
     },
     "valve": {

@@ -1,12 +1,16 @@
 """Train a network to recover the box of recover-v1 by imitating the scripted expert, with NumPy.
 
-    seamark demonstrations recover-v1 --format parquet --episodes 64 --out shown
+    seamark demonstrations recover-v1 --format parquet --episodes 160 --out shown
     python examples/imitation/train.py shown --out imitation.zip
     seamark run recover-v1 --controller imitation.zip
 
-Behaviour cloning, from demonstrations alone. The phase of the expert's work is a second target:
-the expert sees each demonstration again to tell it. At the next step, the network gets the phase
-that it has come to, which is its memory.
+Behaviour cloning, from demonstrations alone. What the expert has in mind is a further target: the
+phase of its work, and how fast the height that it asks of the tool falls. It sees each
+demonstration again to tell them. At the next step, the network gets the phase and the height that
+it has come to, which are its memory.
+
+The same demonstrations and the same seed give the same weights where NumPy multiplies matrices by
+the same routines; on another processor they are others that are about as good.
 """
 
 import argparse
@@ -16,6 +20,8 @@ import sys
 import time
 import zipfile
 from collections.abc import Iterator
+from datetime import UTC, datetime
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,22 +30,32 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices so small, mor
 
 import numpy as np
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))
+from seamark.sim.control.manipulation.imitation.features import PHASES, Features
+from seamark.sim.control.manipulation.imitation.layers import Layer, save
 
-from main import PHASES, Features  # noqa: E402
+PACKAGE = "seamark.sim.control.manipulation"
+SHARED = ("arm_data", "imitation.features", "kinematics", "sight")
+LIBM = '''"""What the modules beside it import of the simulator's arithmetic."""
 
+from math import atan2, cos, sin  # noqa: F401
+
+
+def sincos(angle):
+    """Return sine and cosine."""
+    return sin(angle), cos(angle)
+'''
 HIDDEN = (64, 64)
 BATCH, RATE = 1024, 3e-3
-CHANGE_WEIGHT = 20.0  # of the steps at which the phase changes
+CHANGE_WEIGHT = 3.0  # of the steps at which the phase changes
 PHASE_LOSS = 0.3
 
 
 class Samples(NamedTuple):
-    """What one episode teaches: features, what the expert commands, and its phases."""
+    """What one episode teaches: features, what the expert commands, and what it has in mind."""
 
     features: np.ndarray  # (n, features)
     actions: np.ndarray  # (n, m)
+    falls: np.ndarray  # (n, 1) [m/s]
     before: np.ndarray  # (n,) phase before the step
     phases: np.ndarray  # (n,) and after it
 
@@ -74,25 +90,17 @@ class Network:
         return [*of_weights, *of_biases]
 
 
-class Policy:
-    """A network with the scales of its inputs and outputs."""
-
-    def __init__(self, network: Network, mean: Any, spread: Any, scale: Any) -> None:
-        weights, biases = [*network.weights], [*network.biases]
-        weights[0] = weights[0] / spread[:, None]
-        biases[0] = biases[0] - mean @ weights[0]
-        scale = np.concatenate([scale, np.ones(PHASES)])
-        weights[-1], biases[-1] = weights[-1] * scale, biases[-1] * scale
-        self.weights = [weight.astype(np.float32) for weight in weights]
-        self.biases = [bias.astype(np.float32) for bias in biases]
-
-    def act(self, features: list[float]) -> tuple[np.ndarray, int]:
-        """Return the command and the phase."""
-        x = np.asarray(features)
-        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
-            x = np.maximum(x @ weight + bias, 0.0)
-        x = x @ self.weights[-1] + self.biases[-1]
-        return x[:-PHASES], int(x[-PHASES:].argmax())
+def in_units(network: Network, mean: Any, spread: Any, scale: Any) -> list[Layer]:
+    """Return the layers of a network with the scales of its inputs and outputs, in float32."""
+    weights, biases = [*network.weights], [*network.biases]
+    weights[0] = weights[0] / spread[:, None]
+    biases[0] = biases[0] - mean @ weights[0]
+    scale = np.concatenate([scale, np.ones(PHASES)])
+    weights[-1], biases[-1] = weights[-1] * scale, biases[-1] * scale
+    return [
+        (weight.astype(np.float32), bias.astype(np.float32))
+        for weight, bias in zip(weights, biases, strict=True)
+    ]
 
 
 class Teacher:
@@ -114,15 +122,14 @@ class Teacher:
         told = named(observation, arm=self.arm)
         features, before = self.features.update(told), self.features.phase
         action = np.array(self.expert.action(observation))
-        phase = self.expert.controller.phase
-        self.features.advance(phase, told.depth)
-        self.rows.append((features, action, before, phase))
+        phase, fall = self.expert.controller.phase, self.expert.controller.falling
+        self.features.advance(phase, fall, told)
+        self.rows.append((features, action, [fall], before, phase))
         return action
 
     def samples(self) -> Samples:
         """Return all that was seen."""
-        features, actions, before, phases = zip(*self.rows, strict=True)
-        return Samples(np.array(features), np.array(actions), np.array(before), np.array(phases))
+        return Samples(*map(np.array, zip(*self.rows, strict=True)))
 
 
 def tool_of(config: Any) -> list[float]:
@@ -160,6 +167,27 @@ def shown(folder: Path) -> Iterator[Samples]:
         yield teacher.samples()
 
 
+def known(folder: Path, cpu_s: int | None) -> dict[str, Any]:
+    """Return what is kept of demonstrations, and where the tool is in the body [m]."""
+    from pyarrow import parquet  # noqa: PLC0415
+
+    about = json.loads((folder / "seamark.json").read_text())
+    episodes = parquet.read_table(folder / "episodes.parquet").to_pydict()
+    return {
+        "demonstrations": {
+            "benchmark": about["benchmark"],
+            "expert": about["expert"],
+            "settings": about["options"]["settings"],
+            "seeds": [min(episodes["seed"]), max(episodes["seed"])],
+            "episodes": len(episodes["seed"]),
+            "successful": sum(episodes["success"]),
+            "steps": sum(episodes["steps"]),
+            "cpu_s": cpu_s,
+        },
+        "tool_m": tool_of(config_of(task_of(about))),
+    }
+
+
 def task_of(about: dict[str, Any]) -> Any:
     """Return the task of demonstrations."""
     from seamark.demonstrations.episodes import Task  # noqa: PLC0415
@@ -175,13 +203,14 @@ def config_of(task: Any) -> Any:
     return registry.benchmark(task.benchmark).read(task.settings)
 
 
-def trained(samples: list[Samples], steps: int, random: np.random.Generator) -> Policy:
-    """Return a network that has learned all samples, by Adam (Kingma and Ba 2015)."""
-    x, actions, before, phases = (np.concatenate(part) for part in zip(*samples, strict=True))
+def trained(samples: list[Samples], steps: int, random: np.random.Generator) -> list[Layer]:
+    """Return the layers of a network that has learned all samples, by Adam (Kingma and Ba 2015)."""
+    x, actions, falls, before, phases = map(np.concatenate, zip(*samples, strict=True))
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-3
-    scale = actions.std(axis=0) + 1e-3
     x = ((x - mean) / spread).astype(np.float32)
-    targets = (actions / scale).astype(np.float32)
+    told = np.hstack([actions, falls])
+    scale = told.std(axis=0) + 1e-3
+    targets = (told / scale).astype(np.float32)
     weight = np.where(before != phases, CHANGE_WEIGHT, 1.0).astype(np.float32)
     network = Network([x.shape[1], *HIDDEN, targets.shape[1] + PHASES], random)
     parameters = [*network.weights, *network.biases]
@@ -201,7 +230,7 @@ def trained(samples: list[Samples], steps: int, random: np.random.Generator) -> 
     wrong = (whole[:, -PHASES:].argmax(axis=1) != phases[some]).mean()
     square = ((whole[:, :-PHASES] - targets[some]) ** 2).mean()
     print(f"  {len(x)} steps: error {square:.3f} of the variance, phase wrong {100 * wrong:.2f} %")
-    return Policy(network, mean, spread, scale)
+    return in_units(network, mean, spread, scale)
 
 
 def output_error(
@@ -219,25 +248,25 @@ def output_error(
     return error
 
 
-def exported(policy: Policy) -> bytes:
+def exported(layers: list[Layer]) -> bytes:
     """Return the network in ONNX's format."""
     from onnx import TensorProto, helper, numpy_helper  # noqa: PLC0415
 
     nodes, stored, value = [], [], "features"
-    for number, (weight, bias) in enumerate(zip(policy.weights, policy.biases, strict=True)):
+    for number, (weights, biases) in enumerate(layers):
+        names = [value, f"weights{number}", f"biases{number}"]
         stored += [
-            numpy_helper.from_array(weight, f"weight{number}"),
-            numpy_helper.from_array(bias, f"bias{number}"),
+            numpy_helper.from_array(np.asarray(array, np.float32), name)
+            for array, name in zip((weights, biases), names[1:], strict=True)
         ]
-        names = [value, f"weight{number}", f"bias{number}"]
         value = f"layer{number}"
         nodes.append(helper.make_node("Gemm", names, [value]))
-        if number < len(policy.weights) - 1:
+        if number < len(layers) - 1:
             nodes.append(helper.make_node("Relu", [value], [f"rectified{number}"]))
             value = f"rectified{number}"
-    joints = policy.biases[-1].size - PHASES
-    stored.append(numpy_helper.from_array(np.array([joints, PHASES]), "sizes"))
-    nodes.append(helper.make_node("Split", [value, "sizes"], ["command", "phase"], axis=1))
+    outputs = {"command": layers[-1][1].size - 1 - PHASES, "fall": 1, "phase": PHASES}
+    stored.append(numpy_helper.from_array(np.array([*outputs.values()]), "sizes"))
+    nodes.append(helper.make_node("Split", [value, "sizes"], [*outputs], axis=1))
 
     def described(name: str, size: int) -> Any:
         return helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, size])
@@ -245,36 +274,63 @@ def exported(policy: Policy) -> bytes:
     graph = helper.make_graph(
         nodes,
         "policy",
-        [described("features", len(policy.weights[0]))],
-        [described("command", joints), described("phase", PHASES)],
+        [described("features", len(layers[0][0]))],
+        [described(name, size) for name, size in outputs.items()],
         stored,
     )
     made = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
     return made.SerializeToString()
 
 
-def pack(policy: Policy, known: dict[str, list[float]], out: Path) -> None:
-    """Write the archive that is submitted; `known` is what the program needs beside the network."""
+def shared() -> Iterator[tuple[str, str]]:
+    """Yield name and text of the simulator's modules that the program has, too."""
+    for module in SHARED:
+        [folder] = find_spec(PACKAGE).submodule_search_locations
+        text = Path(folder, *module.split(".")).with_suffix(".py").read_text("utf-8")
+        for package in (PACKAGE, "seamark.sim.numerics"):
+            text = text.replace(f"from {package}.", "from ")
+        yield f"{module.rpartition('.')[-1]}.py", text
+    yield "libm.py", LIBM
+
+
+def pack(layers: list[Layer], policy: dict[str, Any], out: Path) -> None:
+    """Write the archive that is submitted; `policy` is what is known beside the network."""
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.write(HERE / "main.py", "main.py")
-        archive.writestr("policy.json", json.dumps(known))
-        archive.writestr("policy.onnx", exported(policy))
+        archive.write(Path(__file__).with_name("main.py"), "main.py")
+        for name, text in shared():
+            archive.writestr(name, text)
+        archive.writestr("policy.json", json.dumps(policy))
+        archive.writestr("policy.onnx", exported(layers))
 
 
 def main() -> None:
     """Train and pack."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("shown", type=Path, help="Demonstrations as Parquet.")
-    parser.add_argument("--steps", type=int, default=8000, help="Of the optimiser.")
+    parser.add_argument("--steps", type=int, default=12000, help="Of the optimiser.")
+    parser.add_argument("--seed", type=int, default=1, help="Of the training.")
     parser.add_argument("--out", type=Path, default=Path("imitation.zip"))
+    parser.add_argument(
+        "--keep", type=Path, metavar="FOLDER", help="Write policy.json and weights.npz there, too."
+    )
+    parser.add_argument(
+        "--shown-cpu-s", type=int, metavar="SECONDS", help="Cost of the demonstrations, to keep."
+    )
     chosen = parser.parse_args()
-    began, random = time.process_time(), np.random.default_rng(1)
-    task = task_of(json.loads((chosen.shown / "seamark.json").read_text()))
+    began = time.process_time()
     samples = [*shown(chosen.shown)]
-    policy = trained(samples, chosen.steps, random)
-    most = np.max([np.abs(each.actions).max(axis=0) for each in samples], axis=0).tolist()
-    pack(policy, {"tool_m": tool_of(config_of(task)), "most": most}, chosen.out)
-    print(f"Wrote {chosen.out} after {time.process_time() - began:.0f} s of processor time.")
+    layers = trained(samples, chosen.steps, np.random.default_rng(chosen.seed))
+    cost_s = time.process_time() - began
+    policy = known(chosen.shown, chosen.shown_cpu_s) | {
+        "trained": datetime.now(UTC).date().isoformat(),
+        "training": {"seed": chosen.seed, "steps": chosen.steps, "cpu_s": round(cost_s)},
+        "most": np.max([np.abs(each.actions).max(axis=0) for each in samples], axis=0).tolist(),
+    }
+    pack(layers, policy, chosen.out)
+    if chosen.keep:
+        (chosen.keep / "policy.json").write_text(json.dumps(policy, indent=1) + "\n", "utf-8")
+        save(layers, chosen.keep / "weights.npz")
+    print(f"Wrote {chosen.out} after {cost_s:.0f} s of processor time.")
 
 
 if __name__ == "__main__":

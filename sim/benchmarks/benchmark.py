@@ -72,11 +72,12 @@ class Stages:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """A built-in entry of the leaderboard: title, built-in solution and its settings."""
+    """A built-in entry of the leaderboard: title, built-in solution, its settings, and notes."""
 
     title: str
     built_in: str
     config: Mapping[str, object] = field(default_factory=dict)
+    notes: str = ""  # of its run, such as how it was trained
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,7 @@ class ReferenceEntry:
     high: float
     is_bound: bool  # doing nothing, the oracle and the like: no solution that a run may use
     is_oracle: bool = False
+    notes: str = ""  # such as how it was trained
     run_id: int | None = None  # None: shipped, and not computed by this service
     metrics: Mapping[str, float] = field(default_factory=dict)  # as a rank has them
     is_baseline: Literal[True] = True  # as rows of the leaderboard beside it
@@ -113,7 +114,7 @@ def _rows() -> Select[*tuple[Any, ...]]:
         select(
             *(User.name.label("user"), Best.benchmark, Best.run_id, Best.metrics),
             *(Best.score, Best.score_low, Best.score_high),
-            *(Run.title, Run.config, Run.controller, Run.program_name),
+            *(Run.title, Run.notes, Run.config, Run.controller, Run.program_name),
         )
         .join(User, User.id == Best.user_id)
         .join(Run, Run.id == Best.run_id)
@@ -140,6 +141,7 @@ def _computed(benchmark: Benchmark, row: Row[*tuple[Any, ...]]) -> ReferenceEntr
         high=row.score_high,
         is_bound=row.controller in benchmark.reference_built_in,
         is_oracle=_ORACLE in row.controller,
+        notes=row.notes,
         run_id=row.run_id,
         metrics=row.metrics or {},
     )
@@ -155,5 +157,6 @@ def _shipped(benchmark: Benchmark, name: str, result: ReferenceResult) -> Refere
         high=high,
         is_bound=baseline.built_in in benchmark.reference_built_in,
         is_oracle=_ORACLE in baseline.built_in,
+        notes=baseline.notes,
         metrics=result.metrics,
     )

@@ -43,6 +43,7 @@ def ensure(session: Session, settings: Settings) -> list[int]:
                 kind=RunKind.RANKED,
                 controller=baseline.built_in,
                 title=baseline.title,
+                notes=baseline.notes,
                 baseline=True,
             )
             valid = validation.validate(baseline_run, settings)

@@ -1,6 +1,7 @@
 """An intervention benchmark: everything but its name, settings, metrics and entries."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from seamark.sim.benchmarks.arm_charts import ARM_CHARTS
@@ -52,12 +53,13 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     built_in: Mapping[str, str],
     reference_built_in: Mapping[str, str],
     scale: tuple[float, float],
+    notes: Mapping[str, str] = MappingProxyType({}),
 ) -> Benchmark:
     """Return a benchmark of programs that move an arm; its folder has the experiment.
 
     Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
     the credit first, and `group` those of them that no other intervention has. `scale` goes from
-    the score of doing nothing to that of the oracle.
+    the score of doing nothing to that of the oracle. `notes` are those of baselines.
     """
     credit, *rest = metrics
     return Benchmark(
@@ -82,7 +84,8 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         metric_groups=(attempts.GROUP, group),
         stages=stages,
         baselines={
-            key: Baseline(label, key) for key, label in {**reference_built_in, **built_in}.items()
+            key: Baseline(label, key, notes=notes.get(key, ""))
+            for key, label in {**reference_built_in, **built_in}.items()
         },
         configuration=configuration,
         groups=GROUPS,

@@ -3,6 +3,7 @@
 from seamark.sim.benchmarks.benchmark import Stages
 from seamark.sim.benchmarks.intervention.definition import intervention_benchmark
 from seamark.sim.benchmarks.recover_v1.settings import RecoverConfiguration
+from seamark.sim.control.manipulation import imitation
 from seamark.sim.metrics import recovery
 
 BENCHMARK = intervention_benchmark(
@@ -24,7 +25,9 @@ BENCHMARK = intervention_benchmark(
     reference_built_in={
         "nothing": "Nothing: zero velocity, the arm at rest",
         "blind": "Blind after one second",
+        "imitation": "Imitation: learned from the scripted entry",
         "oracle": "Oracle: knows the truth",
     },
+    notes={"imitation": imitation.notes()},
     scale=(0.0, 0.508),  # ./run performance intervention_headroom recover-v1
 )

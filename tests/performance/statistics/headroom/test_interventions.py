@@ -48,6 +48,7 @@ def test_a_benchmark_without_an_arm_is_refused_with_the_names_of_those_that_have
     assert "valve-v1" in capsys.readouterr().out
 
 
+LEARNED = {"recover-v1": ["imitation"]}
 NOT_BETTER = {("connect-v1", "resolved-rate")}  # as docs/benchmarks.md says
 
 
@@ -63,7 +64,8 @@ def test_each_entry_that_sees_is_better_than_the_one_below_it_by_more_than_the_i
         if (name, better) not in NOT_BETTER
     }
 
-    assert order == ["nothing", "blind", "scripted", "resolved-rate", "oracle"]
+    learned = LEARNED.get(name, [])
+    assert order == ["nothing", "blind", *learned, "scripted", "resolved-rate", "oracle"]
     assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
 
 

@@ -106,6 +106,30 @@ def test_reference_entries_are_being_computed_only_as_long_as_their_runs_are_liv
     assert waiting == [(True, True)] * 2
 
 
+@pytest.mark.slow
+def test_a_learned_reference_entry_says_how_it_was_trained_before_and_after_its_run(
+    site: Site,
+) -> None:
+    browser, entry = site.browser(), benchmark("recover-v1").baselines["imitation"]
+    addresses = ["/leaderboards/recover-v1", "/benchmarks/recover-v1"]
+
+    def shown() -> list[bool]:
+        return [entry.notes in unescape(browser.get(address).text) for address in addresses]
+
+    before = shown()
+    with site.database.writing() as session:
+        baselines.ensure(session, site.settings)
+    claim = site.claim_next()
+    while claim.controller != entry.built_in:
+        assert site.finish(claim)
+        claim = site.claim_next()
+    assert site.finish(claim)
+    addresses.append(f"/runs/{claim.run_id}")
+
+    assert entry.notes
+    assert (before, shown()) == ([True] * 2, [True] * 3)
+
+
 def test_shipped_reference_entries_are_marks_of_the_plot_of_error_against_energy(
     site: Site,
 ) -> None:
