@@ -9,8 +9,8 @@ phase of its work, and how fast the height that it asks of the tool falls. It se
 demonstration again to tell them. At the next step, the network gets the phase and the height that
 it has come to, which are its memory.
 
-The same demonstrations and the same seed give the same weights where NumPy multiplies matrices by
-the same routines; on another processor they are others that are about as good.
+The same demonstrations and the same seed give the same weights where NumPy multiplies matrices in
+the same order, which depends on the processor.
 """
 
 import argparse

@@ -39,8 +39,8 @@ class Features:
     """Where the box is by sight and dead reckoning, and what the arm feels.
 
     Places are remembered in level axes, north and east; the network gets them ahead and to
-    starboard. It gets no velocity: that follows from what the expert did before, so a network that
-    is given it repeats what it has done (de Haan, Jayaraman and Levine 2019).
+    starboard. It gets no velocity: that tells what the expert did before, which a network may
+    learn to repeat instead of what is needed (de Haan, Jayaraman and Levine 2019).
     """
 
     def __init__(self, config: Mapping[str, Any], tool: Vector) -> None:
