@@ -57,7 +57,8 @@ class Recovery(StagedAttempt):
         reached = self.reach_in_order(goals)
         credit = STAGES[len(reached) - 1].credit if reached else 0.0
         if len(reached) == 4:  # a part of the time for which it should be held counts in part
-            share = longest_run(high, reached[2]) / self.steps(HOLD_S)
+            # By the time that it counts as lifted, it has been held for `FREE_S`.
+            share = min(longest_run(high, reached[2]) / self.steps(HOLD_S), 1.0)
             credit += share * (STAGES[4].credit - STAGES[3].credit)
         return Progress(tuple(reached), credit * (STRUCK if self.struck(reached) else 1.0))
 

@@ -73,6 +73,12 @@ def test_each_stage_adds_its_credit() -> None:
     assert credit(carried(LIFT_M + 0.01, HOLD_S + 1.0)) == CREDIT["completed"] == 1.0
 
 
+@pytest.mark.parametrize("more_s", [0.0, 0.2, 0.4, 0.6])
+def test_no_credit_is_more_than_that_of_all_stages(more_s: float) -> None:
+    assert credit(carried(LIFT_M + 0.01, HOLD_S + more_s)) == pytest.approx(1.0)
+    assert credit(carried(LIFT_M + 0.01, HOLD_S + more_s)) <= CREDIT["completed"]
+
+
 def test_half_of_the_time_in_which_to_hold_it_gives_half_of_the_rest() -> None:
     half = 0.5 * (CREDIT["lifted"] + CREDIT["completed"])
 
