@@ -22,11 +22,14 @@ from seamark.sim.camera.scene import STRIP
 from seamark.sim.camera.sightings import MARKS, body_at, columns_seen
 from seamark.sim.numerics.arrays import Integers
 from seamark.sim.numerics.simd import (
+    ALL_LANES,
     WIDTH,
     f32x16,
+    greater_bits,
     horizontal_sum,
     load,
     maximum,
+    minimum,
     select_greater,
     store,
 )
@@ -67,7 +70,8 @@ class Layers(NamedTuple):
     mark: Plane  # (n,) 0 for the seabed
     span: Integers  # (rows, 2) columns that bodies may touch
     edges: Edges
-    changed: Plane  # (1, 16) which of sixteen pixels are at an edge
+    changed: Integers  # (n / 16,) which pixels are at an edge, as bits; in the span alone
+    hidden: NDArray[np.bool_]  # (n / 16,) whether they and their neighbours show no seabed
     faces: Plane  # (2, NEIGHBOURS + 1) mark and brightness of what a pixel at an edge may show
 
 
@@ -83,28 +87,42 @@ def layers_for(width: int) -> Layers:
         mark,
         np.zeros((STRIP // CHUNK + 2, 2), np.int64),
         edges,
-        np.zeros((1, WIDTH), np.float32),
+        np.zeros(size // WIDTH, np.int64),
+        np.zeros(size // WIDTH, np.bool_),
         np.zeros((2, NEIGHBOURS + 1), np.float32),
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def draw_bodies(
+def _planes(layers: Layers, height: int, width: int) -> tuple[Plane, Plane, Plane]:
+    """Return depth, tone and mark of a strip with its halo, (height + 2, width + 2 HALO)."""
+    shape = (height + 2, width + 2 * HALO)
+    size = shape[0] * shape[1]
+    return (
+        layers.depth[:size].reshape(shape),
+        layers.tone[:size].reshape(shape),
+        layers.mark[:size].reshape(shape),
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def find_bodies(
     instant: Instant,
     texels: Texels,
     extent: tuple[int, int, int],
+    height: int,
     layers: Layers,
-    light: Plane,
     whole: bool,
-) -> None:
-    """Draw the bodies into a strip (rows * width,) of what reaches the camera from the seabed.
+) -> bool:
+    """Write what the middles of a strip's pixels show, and where bodies hide the seabed.
 
-    `extent` is row and column of the strip's first pixel, and its width. The depth of what the
-    pixels show, see `depths`, is known where there are bodies, or in the `whole` strip.
+    Return whether there may be bodies. `extent` is row and column of the strip's first pixel, and
+    its width. The depth of what the pixels show, see `depths`, is known where there are bodies, or
+    in the `whole` strip.
     """
     seen = instant.seen
     row, start, width = extent
-    height = light.shape[0] // width
+    layers.hidden[: height * (width // WIDTH)] = False
     left, top = start - HALO, row - 1
     first, end = (0, width) if whole else (width, 0)  # columns of the strip that bodies touch
     for k in range(seen.number):
@@ -114,19 +132,31 @@ def draw_bodies(
     first = max(first, 0) // WIDTH * WIDTH
     end = min((end + WIDTH - 1) // WIDTH * WIDTH, width)
     if first >= end:
-        return
-    shape = (height + 2, width + 2 * HALO)
-    size = shape[0] * shape[1]
-    depth, tones = layers.depth[:size].reshape(shape), layers.tone[:size].reshape(shape)
-    marks = layers.mark[:size].reshape(shape)
-    planes = depth, tones, marks
-    layers.span[: height + 2, 0], layers.span[: height + 2, 1] = shape[1], 0
+        return False
+    planes = _planes(layers, height, width)
+    depth, _, marks = planes
+    layers.span[: height + 2, 0], layers.span[: height + 2, 1] = width + 2 * HALO, 0
     _clear(instant.ground, (top, left), (first, end + 2 * HALO), depth, marks)
     for k in range(seen.number):
         _draw_middles(instant, k, texels, (top, left), planes, layers.span)
+    _survey((height, width), marks, layers)
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def draw_bodies(
+    instant: Instant, extent: tuple[int, int, int], layers: Layers, light: Plane
+) -> None:
+    """Draw the bodies into a strip (rows * width,) of what reaches the camera from the seabed.
+
+    `find_bodies` has found them; `extent` is as it is there.
+    """
+    row, start, width = extent
+    height = light.shape[0] // width
+    planes = _planes(layers, height, width)
     lit = light.reshape(height, width)
     count = _compose(instant, (row, start), planes, layers, lit)
-    _draw_edges(instant, (row, start, count), (tones, marks), layers, lit)
+    _draw_edges(instant, (row, start, count), planes[1:], layers, lit)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -193,7 +223,7 @@ def _draw_middles(
     body, kind = body_at(seen.numbers, k), seen.kind[k]
     lens, lighting = instant.lens, instant.lighting
     inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
-    steps, zero, one = load(rows.STEPS, 0, 0), f32x16(0.0), f32x16(1.0)
+    steps, nearest = load(rows.STEPS, 0, 0), f32x16(seen.nearest[k])
     last = min(seen.window[k, 3], top + depth.shape[0])
     for v in range(max(seen.window[k, 1], top), last):
         a, b = columns_seen(seen, k, v)
@@ -202,18 +232,38 @@ def _draw_middles(
         first = (a - left) // WIDTH * WIDTH
         span[r, 0], span[r, 1] = min(span[r, 0], first), max(span[r, 1], b - left)
         for q in range(first, b - left, WIDTH):
+            before = load(depth, r, q)
+            if not greater_bits(before, nearest):
+                continue
             x = ((f32x16(float(left + q)) + steps) - u0) * inverse_f
             d = ray(body, x, y)
             hits = hit(kind, body, d)
-            before = load(depth, r, q)
-            nearer = select_greater(before, hits[0], one, zero)
-            if horizontal_sum(nearer) == 0.0:
+            if not greater_bits(before, hits[0]):
                 continue
             radiance = tone(body, d, hits, texels, lighting)
             store(depth, r, q, select_greater(before, hits[0], hits[0], before))
             store(tones, r, q, select_greater(before, hits[0], radiance, load(tones, r, q)))
             name = mark(kind, body, hits)
             store(marks, r, q, select_greater(before, hits[0], name, load(marks, r, q)))
+
+
+@uncounted
+def _survey(size: tuple[int, int], marks: Plane, layers: Layers) -> None:
+    """Write which pixels of a strip are at an edge, and which sixteen hide the seabed."""
+    height, width = size
+    half, across = f32x16(0.5), width // WIDTH
+    for r in range(height):
+        first, end = _touched(layers.span, r + 1, height + 1)
+        for q in range(max(first - HALO, 0), min(end - HALO, width), WIDTH):
+            i, j, k = r + 1, q + HALO, r * across + q // WIDTH
+            own = load(marks, i, j)
+            one, two = load(marks, i, j - 1), load(marks, i, j + 1)
+            three, four = load(marks, i - 1, j), load(marks, i + 1, j)
+            beside = maximum(_squared(one - own), _squared(two - own))
+            above = maximum(_squared(three - own), _squared(four - own))
+            layers.changed[k] = greater_bits(maximum(beside, above), half)
+            lowest = minimum(own, minimum(minimum(one, two), minimum(three, four)))
+            layers.hidden[k] = greater_bits(lowest, half) == ALL_LANES
 
 
 @uncounted
@@ -233,21 +283,17 @@ def _compose(
     lens, lighting = instant.lens, instant.lighting
     inverse_f, u0 = f32x16(1.0 / lens[0]), f32x16(lens[1])
     steps, half = load(rows.STEPS, 0, 0), f32x16(0.5)
-    count, edge, span, changed = 0, layers.edges, layers.span, layers.changed
+    count, edge, span = 0, layers.edges, layers.span
     height, width = light.shape
     for r in range(-1, height + 1):
         y = f32x16((row + r - lens[2]) / lens[0])
         first, end = _touched(span, r + 1, height + 1)
         for q in range(max(first - HALO, -WIDTH), min(end - HALO, width + WIDTH), WIDTH):
             own = load(marks, r + 1, q + HALO)
-            inside = 0 <= r < height and 0 <= q < width
+            inside, changed = 0 <= r < height and 0 <= q < width, 0
             if inside:
-                change = _differences(marks, r + 1, q + HALO)
-                edges = horizontal_sum(change) > 0.0
-                bare = not edges and marks[r + 1, q + HALO] == 0.0
-            else:
-                bare = horizontal_sum(own) == 0.0
-            if bare:
+                changed = layers.changed[r * (width // WIDTH) + q // WIDTH]
+            if not changed and not greater_bits(own, half):
                 continue
             x = ((f32x16(float(start + q)) + steps) - u0) * inverse_f
             arrived = arriving(
@@ -257,9 +303,7 @@ def _compose(
             if not inside:
                 continue
             before = load(light, r, q)
-            if edges:
-                store(changed, 0, 0, change)
-                count = _listed(changed, (r, q), light, edge, count)
+            count = _listed(changed, (r, q), light, edge, count)
             store(light, r, q, select_greater(own, half, arrived, before))
     return count
 
@@ -273,29 +317,22 @@ def _touched(span: Integers, r: int, last: int) -> tuple[int, int]:
 
 
 @uncounted
-def _listed(changed: Plane, at: tuple[int, int], light: Plane, edge: Edges, count: int) -> int:
-    """List the pixels of sixteen that have changed, from a row and a column on."""
+def _listed(changed: int, at: tuple[int, int], light: Plane, edge: Edges, count: int) -> int:
+    """List those of sixteen pixels, from a row and a column on, whose bits are set."""
     r, q = at
-    for lane in range(WIDTH):
-        if changed[0, lane] > _F(0.0):
-            edge.row[count], edge.column[count] = r, q + lane
-            edge.seabed[count] = light[r, q + lane]
+    while changed:
+        if changed & 1:
+            edge.row[count], edge.column[count] = r, q
+            edge.seabed[count] = light[r, q]
             count += 1
+        changed >>= 1
+        q += 1
     return count
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _squared(value: "F32x16") -> "F32x16":
     return value * value
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _differences(marks: Plane, r: int, q: int) -> "F32x16":
-    """Return 1 for pixels whose mark differs from that of a neighbour, else 0."""
-    own = load(marks, r, q)
-    across = maximum(_squared(load(marks, r, q - 1) - own), _squared(load(marks, r, q + 1) - own))
-    down = maximum(_squared(load(marks, r - 1, q) - own), _squared(load(marks, r + 1, q) - own))
-    return select_greater(maximum(across, down), f32x16(0.5), f32x16(1.0), f32x16(0.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

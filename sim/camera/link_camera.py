@@ -84,8 +84,7 @@ class LinkCamera:
         self._canvas = np.zeros((optics.height, optics.width), np.uint8)
         count = len(bodies.links)
         self._placed = np.zeros((count, 3, 3)), np.zeros((count, 3)), np.zeros((count, 6))
-        self._render = SameTypes(link_raycast.draw)
-        self._render_effects = SameTypes(link_effects.draw)
+        self._render = SameTypes(link_effects.draw if self.effects.any else link_raycast.draw)
 
     def region(self, placed: Placed, frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's canvas (H, W), rendered only inside the window x0, y0, x1, y1.
@@ -176,5 +175,4 @@ class LinkCamera:
         self._place(placed)
         stage, tones, grain = self._stage, self._tones(number), self._grain
         effects, key, memory = self._effects, (frame, window), self._memory
-        render = self._render_effects if self.effects.any else self._render
-        render.call(self._placed, stage, tones, grain, effects, key, memory, out)
+        self._render.call(self._placed, stage, tones, grain, effects, key, memory, out)

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.camera import rows
-from seamark.sim.camera.body_rows import Layers, draw_bodies, draw_glow
+from seamark.sim.camera.body_rows import Layers, draw_bodies, draw_glow, find_bodies
 from seamark.sim.camera.effects import EffectParameters
 from seamark.sim.camera.instant import Instant, Links, Stage, Tones, Window, instant_at
 from seamark.sim.camera.open_seabed import draw_seabed
@@ -45,12 +45,24 @@ def render_rows(
     if instant.nodes.shape[0]:
         gain = memory.strip.gain[0, : light.shape[0]]
         rows.interpolate_nodes(instant.nodes, (row + MARGIN, start + MARGIN, width), gain)
-    draw_seabed(
-        instant.ground, tones.channel.seabed, extent, instant.lens, instant.lighting, gain, light
+    layers = memory.layers
+    bodies = find_bodies(
+        instant, tones.paints.texels, extent, light.shape[0] // width, layers, whole or lit
     )
-    draw_bodies(instant, tones.paints.texels, extent, memory.layers, light, whole or lit)
+    draw_seabed(
+        instant.ground,
+        tones.channel.seabed,
+        extent,
+        instant.lens,
+        instant.lighting,
+        gain,
+        layers.hidden,
+        light,
+    )
+    if bodies:
+        draw_bodies(instant, extent, layers, light)
     if lit:
-        draw_glow(instant, extent, memory.layers, light)
+        draw_glow(instant, extent, layers, light)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -79,12 +79,13 @@ def draw_seabed(
     lens: Point,
     lighting: Lighting,
     gain: Row,
+    hidden: NDArray[np.bool_],
     out: Row,
 ) -> None:
     """Write what reaches the camera [grey] of the seabed, for a strip of rows.
 
     `extent` is row and column of the strip's first pixel, and its width. `gain` is the light on the
-    seabed, or empty for even daylight.
+    seabed, or empty for even daylight; `hidden` which NODE pixels are left out, one after another.
     """
     row, start, width = extent
     blocks = out.reshape(out.shape[0] // NODE, NODE)
@@ -98,6 +99,9 @@ def draw_seabed(
         a, b, w, a_slope, b_slope, w_slope = map_along_row(ground.map, float(row + r))
         y = f32x16((row + r - lens[2]) / lens[0])
         for i in range(across):
+            k = r * across + i
+            if hidden[k]:
+                continue
             column = f32x16(float(start + i * NODE)) + steps
             inverse = f32x16(w) + f32x16(w_slope) * column
             depth = one / maximum(inverse, least)
@@ -105,7 +109,6 @@ def draw_seabed(
             v = (f32x16(b) + f32x16(b_slope) * column) * depth
             contrast = minimum(detail * inverse * inverse, one)
             light = mean + contrast * (_texel(tile, u, v, ground.shift) - mean)
-            k = r * across + i
             light = light * (load(gains, k, 0) if gains.shape[0] else level)
             arrived = arriving(light, depth, (column - u0) * inverse_f, y, lighting)
             store(blocks, k, 0, select_greater(inverse, least, arrived, veil))

@@ -6,12 +6,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera.bodies import CAPSULE, WORLD, Paints, Shapes
+from seamark.sim.camera.bodies import BOX, CAPSULE, WORLD, Paints, Shapes
 from seamark.sim.camera.lighting import SKY, SUN, Lighting
 from seamark.sim.numerics.arrays import Array, Integers
 
 NEAR_M = 1e-3  # along the optical axis; what is nearer is not drawn
 CORNERS = 20  # of a box that the near plane cuts, at most
+_ROUNDING = 1e-3  # relative; more than float32 loses of a depth or of a radius
+_LEAST_CURVED = 1e-15  # coefficient of a silhouette that ends on both sides
 LINES = 12  # of the outline of its corners; a longer one is widened to its window
 NARROW_PX = 32  # rows of windows that are not wider are drawn whole
 
@@ -65,8 +67,10 @@ class Seen(NamedTuple):
     kind: Integers  # (n,)
     numbers: Rows  # (n, 51) the fields of `Body`
     window: Integers  # (n, 4) [px] x0, y0, x1, y1
+    nearest: Rows  # (n,) [m] depth that no point of it comes below
     lines: Array  # (n, LINES, 3) sides of the outline, see `_bounds`
     edges: Integers  # (n,) number of sides; none if the window is the outline
+    silhouette: Array  # (n, 6) of what is round, see `_silhouette`; zeros of a box
     number: int
 
 
@@ -112,8 +116,10 @@ def bodies_seen(
         np.empty(n, np.int64),
         np.zeros((n, _NUMBERS), np.float32),
         np.empty((n, 4), np.int64),
+        np.empty(n, np.float32),
         np.empty((n, LINES, 3)),
         np.zeros(n, np.int64),
+        np.zeros((n, 6)),
         0,
     )
     corners, points = np.empty((8, 3)), np.empty((CORNERS, 2))
@@ -126,17 +132,29 @@ def bodies_seen(
         found = _image_points(corners, intrinsics, points)
         if found < 3 or not _window(points[:found], window, seen.window[count]):
             continue
+        seen.nearest[count] = _nearest(corners)
         wide = seen.window[count, 2] - seen.window[count, 0] > NARROW_PX
         seen.edges[count] = _outline(points[:found], seen.lines[count]) if wide else 0
         seen.kind[count] = shapes.kind[k]
         numbers = seen.numbers[count]
         _place(shapes.half[k], axes, origin, sight, lighting, numbers)
+        if shapes.kind[k] != BOX:
+            _silhouette(numbers, intrinsics, seen.silhouette[count])
         numbers[_ALBEDO] = 255.0 * paints.albedo[k]
         numbers[_MARK] = MARKS * (count + 1)
         if paints.layout[k, 0, 1] > 0:
             _texture(shapes.half[k], paints.layout[k], numbers)
         count += 1
-    return Seen(seen.kind, seen.numbers, seen.window, seen.lines, seen.edges, count)
+    return Seen(
+        seen.kind,
+        seen.numbers,
+        seen.window,
+        seen.nearest,
+        seen.lines,
+        seen.edges,
+        seen.silhouette,
+        count,
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -155,6 +173,38 @@ def _corners(
             way = origin[j] + axes[j, 0] * a + axes[j, 1] * b + axes[j, 2] * c - sight.centre[j]
             for i in range(3):
                 corners[k, i] += sight.axes[i, j] * way
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nearest(corners: Array) -> float:
+    """Return a depth [m] a little below that of every corner; 0 if one is behind the near plane."""
+    depth = corners[0, 2]
+    for k in range(1, 8):
+        depth = min(depth, corners[k, 2])
+    return 0.0 if depth < NEAR_M else depth * (1.0 - _ROUNDING)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _silhouette(numbers: Rows, intrinsics: Array, out: Array) -> None:
+    """Write the quadratic form, in image column and row, of rays that meet an endless cylinder.
+
+    It lies along x, and a ray d from the camera o passes its axis at a distance below the radius r
+    where r^2 (dy^2 + dz^2) > (oy dz - oz dy)^2: a u^2 + 2 (b v + c) u + (d v^2 + 2 e v + f) > 0.
+    What is round is inside such a cylinder.
+    """
+    f, u0, v0 = intrinsics[0], intrinsics[1], intrinsics[2]
+    oy, oz, radius = float(numbers[10]), float(numbers[11]), float(numbers[13])
+    square = radius * radius * (1.0 + _ROUNDING)
+    y, z = np.empty(3), np.empty(3)  # of the ray of a pixel: per column, per row, at (0, 0)
+    for row, first in ((y, 3), (z, 6)):
+        row[0], row[1] = numbers[first] / f, numbers[first + 1] / f
+        row[2] = numbers[first + 2] - row[0] * u0 - row[1] * v0
+    at = 0
+    for i in range(3):
+        for j in range(i, 3):
+            cross = (oy * z[i] - oz * y[i]) * (oy * z[j] - oz * y[j])
+            out[at] = square * (y[i] * y[j] + z[i] * z[j]) - cross
+            at += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -266,6 +316,14 @@ def columns_seen(seen: Seen, k: int, row: int) -> tuple[int, int]:
             last = min(last, bound + 1.0)
         elif seen.lines[k, i, 0] < 0.0:
             first = max(first, bound)
+    form = seen.silhouette
+    if form[k, 0] < -_LEAST_CURVED:
+        middle = -(form[k, 1] * row + form[k, 2]) / form[k, 0]
+        rest = (form[k, 3] * row + 2.0 * form[k, 4]) * row + form[k, 5]
+        square = middle * middle - rest / form[k, 0]
+        reach = np.sqrt(max(square, 0.0)) + 1.0
+        first = max(first, min(middle - reach, last))
+        last = min(last, max(middle + reach + 1.0, first))
     return int(np.floor(first)), int(np.ceil(last))
 
 

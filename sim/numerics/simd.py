@@ -22,6 +22,7 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model  # noqa: E402
 
 WIDTH = 16
+ALL_LANES = (1 << WIDTH) - 1  # bits, as of `greater_bits`
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _FLOATS, _INTS = ir.VectorType(_FLOAT, WIDTH), ir.VectorType(_INT, WIDTH)
 
@@ -179,6 +180,17 @@ def select_greater(typing: Any, a: Any, b: Any, then: Any, otherwise: Any) -> An
     if not a == b == then == otherwise == _f32x16:
         return None
     return _f32x16(a, b, then, otherwise), generate
+
+
+@intrinsic
+def greater_bits(typing: Any, a: Any, b: Any) -> Any:
+    """Return which lanes have a > b as the bits of an integer, that of lane 0 lowest."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        lanes = builder.bitcast(builder.fcmp_ordered(">", *args), ir.IntType(WIDTH))
+        return builder.zext(lanes, ir.IntType(64))
+
+    return (types.int64(a, b), generate) if a == b == _f32x16 else None
 
 
 @intrinsic

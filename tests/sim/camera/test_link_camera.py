@@ -146,6 +146,37 @@ def test_outline_of_a_box_is_the_hull_of_its_projected_corners(
     assert changed[deep].all()
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("shape", ["capsule", "cylinder", "sphere"])
+def test_round_bodies_are_drawn_where_rays_meet_them_and_nowhere_else(
+    shape: str, seed: int
+) -> None:
+    random = np.random.Generator(np.random.PCG64(seed))
+    size = (0.5, 0.08, 0.08) if shape != "sphere" else (0.2, 0.2, 0.2)
+    there = random.uniform([-0.4, -0.4, 3.05], [0.4, 0.4, 4.5])
+    links = placed((DOWN, (0.0, 0.0, 3.0)), (turned(*random.uniform(-2.0, 2.0, 3)), tuple(there)))
+    water, looks = Water(attenuation=(0.0,) * 3), [look(shape, size, "#000000", link="first")]
+    v, u = (grid.ravel().astype(float) for grid in np.indices((240, 320)))
+
+    image = camera(looks, water).grey(links, 0)
+
+    met = SlowRenderer(looks, water, bilinear).sampled(links, u, v).reshape(240, 320) < 1.0
+    around = np.ones((3, 3), np.uint8)
+    surely = cv2.erode(met.astype(np.uint8), around, borderValue=1) > 0
+    perhaps = cv2.dilate(met.astype(np.uint8), around) > 0
+    assert image[surely].max(initial=0) < 12 < image[~perhaps].min(initial=255)
+
+
+def test_nothing_of_a_body_behind_others_is_in_the_image() -> None:
+    """Of bodies side by side, too, which hide it together."""
+    near = [look("box", (0.2, 0.5, 0.5), GREY, at=(x, 0.0, 4.0)) for x in (-0.1, 0.1)]
+    far = look("cylinder", (0.3, 0.1, 0.1), BLACK, at=(0.0, 0.0, 4.5), turn=turned(0.0, 0.3, 0.4))
+    links = placed((DOWN, (0.0, 0.0, 3.0)))
+
+    assert np.array_equal(camera(near).grey(links, 0), camera([far, *near]).grey(links, 0))
+    assert np.array_equal(camera(near).grey(links, 0), camera([*near, far]).grey(links, 0))
+
+
 def _hull(points: Array) -> Array:
     return cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
 
