@@ -9,6 +9,7 @@ from seamark.sim.multibody.distances import (
     common_stretch,
     middle_of_passage,
     nearest_on_segment,
+    nearest_to_ends,
     past_box,
     point_box,
     point_cylinder,
@@ -27,11 +28,13 @@ from seamark.sim.multibody.vectors import (
     column,
     cross,
     dot,
+    larger,
     minus,
     plus,
     put,
     rotate,
     rotate_back,
+    smaller,
     three,
     times,
 )
@@ -88,18 +91,21 @@ class Touches(NamedTuple):
     point: Array  # (s, 3) [m] world
     normal: Array  # (s, 3) pushes the first shape away from the second
     gap: Array  # (s,) [m]; above MARGIN_M for an unused slot
+    corner: Array  # (8, 3) buffers
+    near: Integers  # (m,) 1 for pairs whose slots may be in use, in one of the lanes
 
 
-def touches_for(shapes: int, slots: int, lanes: tuple[int, ...] = ()) -> Touches:
-    """Return the memory for so many shapes and slots."""
+def touches_for(shapes: int, pairs: int, slots: int, lanes: tuple[int, ...] = ()) -> Touches:
+    """Return the memory for so many shapes, pairs and slots."""
     sizes = {
         "centre": (shapes, 3),
         "turned": (shapes, 3, 3),
         "point": (slots, 3),
         "normal": (slots, 3),
         "gap": (slots,),
+        "corner": (8, 3),
     }
-    return zeros(Touches, sizes, lanes)
+    return zeros(Touches, sizes, lanes, integers={"near": (pairs,)})
 
 
 @uncounted
@@ -140,12 +146,16 @@ def find_touches(shapes: Shapes, ground: Mounds, to: Touches) -> None:
         to.gap[slot] = far
     for pair in range(shapes.first.size):
         a, b, slot = shapes.first[pair], shapes.second[pair], shapes.slot[pair]
-        if shapes.kind[b] == GROUND:
+        on_ground = shapes.kind[b] == GROUND
+        if on_ground:
             top = ground.depth - ground.height
-            if some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > top):
-                _touch_ground(a, slot, shapes, ground, to)
-            continue
-        if _may_touch(a, b, shapes, to):
+            near = some(to.centre[a, 2] + shapes.reach[a] + MARGIN_M > top)
+        else:
+            near = _may_touch(a, b, shapes, to)
+        to.near[pair] = near
+        if near and on_ground:
+            _touch_ground(a, slot, shapes, ground, to)
+        elif near:
             _touch_pair(a, b, slot, shapes, to)
 
 
@@ -304,9 +314,12 @@ def _touch_capsule_solid(a: int, b: int, slot: int, shapes: Shapes, to: Touches)
     middle = rotate_back(to.turned, b, away)
     along = rotate_back(to.turned, b, times(column(to.turned, a, 0), shapes.size[a, 1]))
     one, long = like(radius, 1.0), shapes.size[a, 1] > 0.0
+    between_ends = nearest_to_ends(middle, along, half, 1.0 - 0.5 * _SAME_POINT, is_round)
     for k in range(4):
         share = -one if k == 0 else one
         if k >= 2:
+            if not some(between_ends[k - 2]):
+                continue
             share = nearest_on_segment(middle, along, half, -1.0 if k == 2 else 1.0, is_round)
         p = plus(middle, times(along, share))
         if is_round:
@@ -358,18 +371,36 @@ def _touch_box(a: int, b: int, slot: int, sign: float, shapes: Shapes, to: Touch
     zero = like(half[0], 0.0)
     for corner in range(8):
         p = _corner_in(a, corner, b, shapes, to)
-        point, normal, gap = _sphere_box(p, zero, b, half, to)
-        _put_touch(slot + corner, (point, times(normal, sign), gap), to)
+        put(to.corner, corner, 0, p)
+        if some(_reaches(p, p, half, MARGIN_M + _ROUNDING_M)):
+            point, normal, gap = _sphere_box(p, zero, b, half, to)
+            _put_touch(slot + corner, (point, times(normal, sign), gap), to)
     for edge in range(12):
         # Its two corners differ in one bit, that of its axis.
         axis, other = edge // 4, edge % 4
         low = (other & ((1 << axis) - 1)) | ((other >> axis) << (axis + 1))
-        p = _corner_in(a, low, b, shapes, to)
-        q = _corner_in(a, low | (1 << axis), b, shapes, to)
+        p, q = three(to.corner, low, 0), three(to.corner, low | (1 << axis), 0)
+        if not some(_reaches(p, q, half, 0.0)):
+            continue
         share, inside = middle_of_passage(p, minus(q, p), half)
         point, normal, gap = _sphere_box(plus(p, times(minus(q, p), share)), zero, b, half, to)
         gap = select(inside, gap, 2.0 * MARGIN_M)
         _put_touch(slot + 8 + edge, (point, times(normal, sign), gap), to)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _reaches(p: Vector, q: Vector, half: Vector, margin: float) -> bool:
+    """Return whether a segment, p to q, is not beyond one side of a box around the origin."""
+    return (
+        _overlaps(p[0], q[0], half[0] + margin)
+        & _overlaps(p[1], q[1], half[1] + margin)
+        & _overlaps(p[2], q[2], half[2] + margin)
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _overlaps(p: float, q: float, half: float) -> bool:
+    return (smaller(p, q) <= half) & (larger(p, q) >= -half)
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -23,6 +23,7 @@ from seamark.sim.multibody.vectors import (
 from seamark.sim.numerics.lanes import like, select, sqrt
 
 Touch = tuple[Vector, Vector, float]
+_CLOSE = 1e-6  # [m]
 _TINY = 1e-12  # [m] lengths below it have no direction
 _SHORT = 1e-3  # share of a segment: a common stretch below it is a point
 _BISECTIONS = 20  # of a segment of 1 m: within 1 um
@@ -126,6 +127,30 @@ def nearest_on_segment(
         falls = slope < flat * sqrt(dot(beyond, beyond))
         low, high = select(falls, t, low), select(falls, high, t)
     return 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def nearest_to_ends(
+    middle: Vector, along: Vector, half: Vector, share: float, is_round: bool
+) -> tuple[bool, bool]:
+    """Return for either side of `nearest_on_segment` whether that may be within ± share.
+
+    The distance is convex along the segment, so it falls up to where it still falls.
+    """
+    length = sqrt(dot(along, along))
+    first = _beyond(plus(middle, times(along, -share)), half, is_round)
+    last = _beyond(plus(middle, times(along, share)), half, is_round)
+    off_first, off_last = sqrt(dot(first, first)), sqrt(dot(last, last))
+    close = 3.0 * _FLAT * length + _CLOSE  # there rounding has a say in the slope
+    near_first, near_last = off_first < close, off_last < close
+    slope_first, slope_last = dot(first, along), dot(last, along)
+    flat, slack = _FLAT * length, _NO_DIRECTION * length
+    return (
+        (near_first | (slope_first <= (slack - flat) * off_first))
+        & (near_last | (slope_last >= (-slack - flat) * off_last)),
+        (near_first | (slope_first <= (slack + flat) * off_first))
+        & (near_last | (slope_last >= (flat - slack) * off_last)),
+    )
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,6 +12,7 @@ from seamark.sim.multibody.vectors import (
     plus,
     put,
     rotate_back,
+    six_times,
     three,
     times,
 )
@@ -91,10 +92,10 @@ def _write_inertia(first: int, model: Model, work: Work) -> None:
     """Write what each link by itself needs for its acceleration, over its twist."""
     frames = work.frames
     for i in range(first, model.structure.parent.size):
-        for a in range(6):
-            frames.twist[i, a] = like(frames.twist[i, a], 0.0)
-            for b in range(6):
-                frames.twist[i, a] += model.links.mass[i, a, b] * frames.acceleration[i, b]
+        linear, turning = three(frames.acceleration, i, 0), three(frames.acceleration, i, 3)
+        force, torque = six_times(model.links.mass, i, linear, turning)
+        put(frames.twist, i, 0, force)
+        put(frames.twist, i, 3, torque)
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -298,6 +298,7 @@ class Mechanism:
         links = [self.number(link) for link, _, _ in places]
         others = [self.number(other) for _, other, _ in places]
         lists = [self._place_chain(i, j, structure) for i, j in zip(links, others, strict=True)]
+        held = {i for each in lists for i, _ in each}
         pairs = self._pairs()
         lists += [self._pair_chain(a, b, structure) for a, b in pairs]
         frictions = [self.shapes[a].friction * self.shapes[b].friction for a, b in pairs]
@@ -305,15 +306,16 @@ class Mechanism:
             kind=_integers([row.kind for row in entries]),
             place=_integers(place),
             motor=_integers([row.motor for row in entries]),
-            order=_integers(sorted(range(len(place)), key=place.__getitem__)),
+            order=np.array(sorted(range(len(place)), key=place.__getitem__), np.uint64),
             first=_integers([sum(one < k for one in place) for k in range(len(places) + 1)]),
             speed=_integers([structure.speed[i] for i in links]),
             other=_integers([WORLD if i == WORLD else structure.speed[i] for i in others]),
             coordinate=_integers([structure.coordinate[i] for i in links]),
             other_coordinate=_integers([structure.coordinate[max(i, 0)] for i in others]),
-            chain=_integers([i for each in lists for i, _ in each]),
-            chain_first=_integers([sum(map(len, lists[:k])) for k in range(len(lists) + 1)]),
-            side=_integers([side for each in lists for _, side in each]),
+            chain=_padded([[i for i, _ in each] for each in lists]).astype(np.uint64),
+            length=_integers([len(each) for each in lists]),
+            loose=_integers([held.isdisjoint(i for i, _ in each) for each in lists[len(places) :]]),
+            side=_padded([[side for _, side in each] for each in lists]),
             ratio=np.array([ratio for _, _, ratio in places], dtype=np.float64),
             most=np.array([row.most for row in entries], dtype=np.float64),
             sliding=np.array([row.sliding for row in entries], dtype=np.float64),
@@ -366,6 +368,15 @@ def _inertia(link: Link) -> Array:
 
 def _integers(values: Sequence[int]) -> Integers:
     return np.array(values, dtype=np.int64)
+
+
+def _padded(lists: Sequence[Sequence[int]]) -> Integers:
+    """Return lists as the rows of a matrix, with zeros behind those that are shorter."""
+    longest = max((len(each) for each in lists), default=0)
+    matrix = np.zeros((len(lists), max(1, longest)), np.int64)
+    for row, each in zip(matrix, lists, strict=True):
+        row[: len(each)] = each
+    return matrix
 
 
 def _chain(speed: int, structure: Structure) -> Iterator[int]:
@@ -425,12 +436,11 @@ def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
     """Return the memory that a thread needs to move a mechanism, or lanes of them."""
     n, rows, joints = len(model.structure.above), model.rows, len(model.rows.kind)
     slots = max(1, int(model.shapes.slot[-1]))
-    lengths = np.diff(rows.chain_first)
-    longest = int(max(lengths, default=1)) or 1
+    longest = rows.chain.shape[1]
     places = len(rows.speed)
     sizes = {
         "w": (n,),
-        "x": (n,),
+        "x": (3, n),
         "basis": (places, longest),
         "basis_size": (places,),
         "wanted": (joints,),
@@ -445,7 +455,9 @@ def work_for(model: Model, lanes: tuple[int, ...] = ()) -> Work:
     integers = {"used": (slots,), "pair_of": (slots,), "in_use": (1,)}
     return Work(
         frames=frames_for(len(model.structure.parent), n, lanes),
-        touches=touches_for(max(1, len(model.shapes.kind)), slots, lanes),
+        touches=touches_for(
+            max(1, len(model.shapes.kind)), max(1, len(model.shapes.first)), slots, lanes
+        ),
         solving=zeros(Solving, sizes, lanes, integers=integers),
         wrench=np.zeros((6, *lanes)),
         x=np.zeros((n, *lanes)),

@@ -148,10 +148,12 @@ class ArmedPlant(Plant):
 
         A speed beyond what a motor reaches counts as its fastest.
         """
-        wanted = self._held.speed
-        wanted[:] = 0.0
-        for i, (speed, fastest) in enumerate(zip(speeds, self.assembly.fastest, strict=False)):
-            wanted[i] = min(max(speed, -fastest), fastest)
+        limited = [
+            min(max(speed, -fastest), fastest)
+            for speed, fastest in zip(speeds, self.assembly.fastest, strict=False)
+        ]
+        self._held.speed[: len(limited)] = limited
+        self._held.speed[len(limited) :] = 0.0
 
     def advance(self, step: int, command: Array, steps: int) -> None:
         """Advance the plant by a number of steps; see `Plant.advance`.

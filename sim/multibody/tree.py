@@ -27,10 +27,12 @@ from seamark.sim.multibody.vectors import (
     column,
     cross,
     dot,
+    minus,
     plus,
     put,
     rotate,
     rotate_back,
+    six_times,
     smaller,
     three,
     times,
@@ -93,7 +95,6 @@ class Frames(NamedTuple):
     acceleration: Array  # (k, 6) of the twist but for that of the degrees of freedom
     wrench: Array  # (k, 6) that the joint transmits to the link
     composite: Array  # (k, 6, 6) mass of the link with all beyond it
-    block: Array  # (3, 3, 3) buffers
     six: Array  # (3, 6) buffers
     bias: Array  # (n,) c
     factor: Array  # (n, n), see `factorise`
@@ -115,7 +116,6 @@ def frames_for(links: int, speeds: int, lanes: tuple[int, ...] = ()) -> Frames:
         "acceleration": (k, 6),
         "wrench": (k, 6),
         "composite": (k, 6, 6),
-        "block": (3, 3, 3),
         "six": (3, 6),
         "bias": (n,),
         "factor": (n, n),
@@ -258,18 +258,12 @@ def _move_joint(i: int, speed: float, structure: Structure, links: Links, to: Fr
 def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) -> None:
     """Write the wrench that a link needs for its bias acceleration against water and weight."""
     root = structure.root[i]
-    six = to.six
     linear, rates = three(to.twist, i, 0), three(to.twist, i, 3)
-    # Momentum and force of the bias acceleration.
-    for a in range(6):
-        six[0, a] = like(linear[0], 0.0)
-        six[1, a] = like(linear[0], 0.0)
-        for b in range(6):
-            six[0, a] += links.mass[i, a, b] * to.twist[i, b]
-            six[1, a] += links.mass[i, a, b] * to.acceleration[i, b]
-    push, spin = three(six, 0, 0), three(six, 0, 3)
-    force = plus(three(six, 1, 0), cross(rates, push))
-    torque = plus(three(six, 1, 3), plus(cross(rates, spin), cross(linear, push)))
+    pushed, turned = three(to.acceleration, i, 0), three(to.acceleration, i, 3)
+    push, spin = six_times(links.mass, i, linear, rates)  # momentum
+    force, torque = six_times(links.mass, i, pushed, turned)  # of the bias acceleration
+    force = plus(force, cross(rates, push))
+    torque = plus(torque, plus(cross(rates, spin), cross(linear, push)))
     centre = three(links.centre, i, 0)
     past = plus(linear, cross(rates, centre))
     drag = _drag(links, i, 0, past)
@@ -281,18 +275,24 @@ def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) ->
     sinking = dot((to.rotation[i, 2, 0], to.rotation[i, 2, 1], to.rotation[i, 2, 2]), linear)
     shear = (sinking * to.stream[root, 4], sinking * to.stream[root, 5], zero)
     sheared = rotate_back(to.rotation, i, shear)
-    for a in range(6):
-        six[2, a] = links.added[i, a, 0] * sheared[0] + (
-            links.added[i, a, 1] * sheared[1] + links.added[i, a, 2] * sheared[2]
-        )
     # Weight and buoyancy along the apparent vertical.
     tilt = -1.0 / STANDARD_GRAVITY
     apparent = (tilt * to.stream[root, 2], tilt * to.stream[root, 3], like(zero, 1.0))
     down = rotate_back(to.rotation, i, apparent)
     turning = cross(three(links.moment, i, 0), down)
     for a in range(3):
-        to.wrench[i, a] = (force[a] - six[2, a]) - links.net_weight[i] * down[a]
-        to.wrench[i, 3 + a] = (torque[a] - six[2, 3 + a]) - turning[a]
+        felt, twisted = _added_times(links, i, a, sheared), _added_times(links, i, 3 + a, sheared)
+        to.wrench[i, a] = (force[a] - felt) - links.net_weight[i] * down[a]
+        to.wrench[i, 3 + a] = (torque[a] - twisted) - turning[a]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _added_times(links: Links, i: int, row: int, linear: Vector) -> float:
+    """Return a row of the added mass of link i times a linear acceleration."""
+    value: float = links.added[i, row, 0] * linear[0] + (
+        links.added[i, row, 1] * linear[1] + links.added[i, row, 2] * linear[2]
+    )
+    return value
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -362,75 +362,89 @@ def write_bias(structure: Structure, links: Links, v: Array, push: Array, to: Fr
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _turn_block(i: int, at: int, rows: int, columns: int, to: Frames) -> None:
-    """Write a 3x3 block of link i's composite mass in its parent's axes to block `at`."""
-    block = to.block
-    for b in range(3):
-        part = (
-            to.composite[i, rows, columns + b],
-            to.composite[i, rows + 1, columns + b],
-            to.composite[i, rows + 2, columns + b],
-        )
-        column = rotate(to.turned, i, part)
-        for a in range(3):
-            block[at, a, b] = column[a]
-    for a in range(3):
-        row = rotate(to.turned, i, (block[at, a, 0], block[at, a, 1], block[at, a, 2]))
-        for b in range(3):
-            block[at, a, b] = row[b]
+def _turned_block(i: int, rows: int, columns: int, to: Frames) -> tuple[Vector, Vector, Vector]:
+    """Return the rows of a 3x3 block of link i's composite mass in its parent's axes."""
+    x, y, z = (
+        _turned_part(i, rows, columns, to),
+        _turned_part(i, rows, columns + 1, to),
+        _turned_part(i, rows, columns + 2, to),
+    )
+    return (
+        rotate(to.turned, i, (x[0], y[0], z[0])),
+        rotate(to.turned, i, (x[1], y[1], z[1])),
+        rotate(to.turned, i, (x[2], y[2], z[2])),
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _turned_part(i: int, row: int, at: int, to: Frames) -> Vector:
+    """Return three numbers of a column of link i's composite mass in its parent's axes."""
+    m = to.composite
+    return rotate(to.turned, i, (m[i, row, at], m[i, row + 1, at], m[i, row + 2, at]))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _add_to_parent(i: int, parent: int, to: Frames) -> None:
     """Add the composite mass of link i to its parent's."""
-    _turn_block(i, 0, 0, 0, to)
-    _turn_block(i, 1, 0, 3, to)
-    _turn_block(i, 2, 3, 3, to)
-    block, composite, arm = to.block, to.composite, three(to.arm, i, 0)
+    linear, angular = _turned_block(i, 0, 0, to), _turned_block(i, 3, 3, to)
+    x, y, z = _turned_block(i, 0, 3, to)  # B
+    composite, arm = to.composite, three(to.arm, i, 0)
+    # The coupling block at the parent's origin: C = B - A [r]x, by rows.
+    moved = (
+        minus(x, cross(linear[0], arm)),
+        minus(y, cross(linear[1], arm)),
+        minus(z, cross(linear[2], arm)),
+    )
     for a in range(3):
-        # Row a of the coupling block moves to the parent's origin: B - A [r]x.
-        row = cross((block[0, a, 0], block[0, a, 1], block[0, a, 2]), arm)
         for b in range(3):
-            # [r]x B of the angular block needs B as it was, so its part comes first.
-            composite[parent, a, b] += block[0, a, b]
-            composite[parent, a, 3 + b] += block[1, a, b] - row[b]
-            composite[parent, 3 + b, a] += block[1, a, b] - row[b]
-    for b in range(3):
-        # Columns of C = B - A [r]x, then [r]x C - B^T [r]x + D.
-        moved = (
-            block[1, 0, b] - cross((block[0, 0, 0], block[0, 0, 1], block[0, 0, 2]), arm)[b],
-            block[1, 1, b] - cross((block[0, 1, 0], block[0, 1, 1], block[0, 1, 2]), arm)[b],
-            block[1, 2, b] - cross((block[0, 2, 0], block[0, 2, 1], block[0, 2, 2]), arm)[b],
-        )
-        column = cross(arm, moved)
-        for a in range(3):
-            back = cross((block[1, 0, a], block[1, 1, a], block[1, 2, a]), arm)
-            composite[parent, 3 + a, 3 + b] += (block[2, a, b] + column[a]) - back[b]
+            composite[parent, a, b] += linear[a][b]
+            composite[parent, a, 3 + b] += moved[a][b]
+            composite[parent, 3 + b, a] += moved[a][b]
+    # [r]x C - B^T [r]x + D.
+    for a in range(3):
+        back = cross((x[a], y[a], z[a]), arm)
+        for b in range(3):
+            turned = cross(arm, (moved[0][b], moved[1][b], moved[2][b]))
+            composite[parent, 3 + a, 3 + b] += (angular[a][b] + turned[a]) - back[b]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _write_joint_mass(i: int, structure: Structure, links: Links, to: Frames) -> None:
     """Write what links up to the root feel of the acceleration of a joint: its row of H."""
     first, part = structure.speed[i], _part(structure.joint[i])
-    x, y, z = three(links.axis, i, 0)
-    for a in range(6):
-        to.six[0, a] = to.composite[i, a, part] * x + (
-            to.composite[i, a, part + 1] * y + to.composite[i, a, part + 2] * z
-        )
-    to.factor[first, first] = dot(three(to.six, 0, part), (x, y, z)) + links.rotor[i]
+    axis = three(links.axis, i, 0)
+    force = (
+        _along_axis(i, 0, part, axis, to),
+        _along_axis(i, 1, part, axis, to),
+        _along_axis(i, 2, part, axis, to),
+    )
+    torque = (
+        _along_axis(i, 3, part, axis, to),
+        _along_axis(i, 4, part, axis, to),
+        _along_axis(i, 5, part, axis, to),
+    )
+    to.factor[first, first] = dot(torque if part else force, axis) + links.rotor[i]
     link = i
     while structure.parent[link] != WORLD:
-        force, torque = in_parent(link, three(to.six, 0, 0), three(to.six, 0, 3), to)
-        put(to.six, 0, 0, force)
-        put(to.six, 0, 3, torque)
+        force, torque = in_parent(link, force, torque, to)
         link = structure.parent[link]
         above = structure.speed[link]
         if structure.joint[link] == FREE:
-            for a in range(6):
-                to.factor[first, above + a] = to.six[0, a]
+            put(to.factor, first, above, force)
+            put(to.factor, first, above + 3, torque)
         else:
-            along = three(to.six, 0, _part(structure.joint[link]))
+            along = torque if _part(structure.joint[link]) else force
             to.factor[first, above] = dot(three(links.axis, link, 0), along)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _along_axis(i: int, row: int, part: int, axis: Vector, to: Frames) -> float:
+    """Return a row of link i's composite mass times a unit motion along its joint's axis."""
+    x, y, z = axis
+    value: float = to.composite[i, row, part] * x + (
+        to.composite[i, row, part + 1] * y + to.composite[i, row, part + 2] * z
+    )
+    return value
 
 
 @uncounted
@@ -480,16 +494,16 @@ def solve(structure: Structure, to: Frames, x: Array) -> None:
     """Replace x by H^-1 x, (n,)."""
     above, factor = structure.above, to.factor
     for i in range(above.size - 1, -1, -1):
-        j = above[i]
+        value, j = x[i], above[i]
         while j >= 0:
-            x[j] -= factor[i, j] * x[i]
+            x[j] -= factor[i, j] * value
             j = above[j]
     for i in range(above.size):
-        x[i] = (x[i] * to.inverse_scale[i]) * to.inverse_scale[i]
-        j = above[i]
+        value, j = (x[i] * to.inverse_scale[i]) * to.inverse_scale[i], above[i]
         while j >= 0:
-            x[i] -= factor[i, j] * x[j]
+            value -= factor[i, j] * x[j]
             j = above[j]
+        x[i] = value
 
 
 @uncounted
@@ -537,13 +551,11 @@ def _write_turning(i: int, at: int, to: Frames) -> None:
     six, mass = to.six, to.composite
     linear, rates = three(six, 2, 0), three(six, 2, 3)
     turning = cross(linear, rates)
-    for a in range(6):
-        six[at, a] = like(turning[0], 0.0)
-        for b in range(6):
-            six[at, a] += mass[i, a, b] * six[2, b]
-    push, spin = three(six, at, 0), three(six, at, 3)
+    push, spin = six_times(mass, i, linear, rates)
     put(six, at, 0, cross(rates, push))
     put(six, at, 3, plus(cross(rates, spin), cross(linear, push)))
     for a in range(6):
+        value = six[at, a]
         for b in range(3):
-            six[at, a] += mass[i, a, b] * turning[b]
+            value += mass[i, a, b] * turning[b]
+        six[at, a] = value

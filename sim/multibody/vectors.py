@@ -117,6 +117,33 @@ def rotate_back(m: Array, i: int, v: Vector) -> Vector:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def six_times(m: Array, i: int, linear: Vector, angular: Vector) -> tuple[Vector, Vector]:
+    """Return m[i] times a twist, of matrices (k, 6, 6)."""
+    return (
+        (
+            _row_times(m, i, 0, linear, angular),
+            _row_times(m, i, 1, linear, angular),
+            _row_times(m, i, 2, linear, angular),
+        ),
+        (
+            _row_times(m, i, 3, linear, angular),
+            _row_times(m, i, 4, linear, angular),
+            _row_times(m, i, 5, linear, angular),
+        ),
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _row_times(m: Array, i: int, row: int, linear: Vector, angular: Vector) -> float:
+    value = like(linear[0], 0.0)  # a sum that begins with zero is never -0.0
+    for j in range(3):
+        value += m[i, row, j] * linear[j]
+    for j in range(3):
+        value += m[i, row, 3 + j] * angular[j]
+    return value
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def column(m: Array, i: int, j: int) -> Vector:
     """Return column j of m[i], of matrices (k, 3, 3)."""
     return m[i, 0, j], m[i, 1, j], m[i, 2, j]

@@ -11,6 +11,7 @@ from seamark.sim.multibody.distances import (
     common_stretch,
     middle_of_passage,
     nearest_on_segment,
+    nearest_to_ends,
     point_box,
     point_socket,
     rim_direction,
@@ -64,6 +65,39 @@ def test_the_nearest_point_of_a_segment_is_as_near_to_a_box_as_any_sampled_one(
         if side < 0.0:
             first = t
     assert first <= t + 1e-5
+
+
+@given(
+    middle=POINTS,
+    along=POINTS | st.tuples(NUMBERS, st.just(0.0), st.just(0.0)),
+    half=HALVES,
+    is_round=st.booleans(),
+    share=st.floats(0.1, 0.995),
+)
+def test_a_segment_that_is_said_to_be_nearest_at_an_end_is_not_nearest_between(
+    middle: Point, along: Point, half: Point, is_round: bool, share: float
+) -> None:
+    between = nearest_to_ends(middle, along, half, share, is_round)
+
+    for side, may_be in zip((-1.0, 1.0), between, strict=True):
+        nearest = nearest_on_segment(middle, along, half, side, is_round)
+        assert may_be or abs(nearest) > share - 1e-5
+
+
+@pytest.mark.parametrize(
+    ("along", "between"),
+    [
+        ((0.2, 0.0, 0.3), False),
+        ((0.3, 0.0, 1e-4), False),  # along a face, and nearest from one end to the other
+        ((2.0, 0.0, 1e-4), True),  # along a face and beyond its edges
+    ],
+)
+def test_a_segment_is_nearest_between_its_ends_only_where_an_edge_is(
+    along: Point, between: bool
+) -> None:
+    found = nearest_to_ends((0.0, 0.0, 1.0), along, (0.5, 0.5, 0.5), 0.99, False)
+
+    assert found == (between, between)
 
 
 def test_a_segment_along_a_face_is_nearest_from_edge_to_edge() -> None:
