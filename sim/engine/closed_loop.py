@@ -23,7 +23,14 @@ from seamark.sim.engine.perception import (
     Tracked,
     perceive,
 )
-from seamark.sim.engine.program import Autopilot, BuiltIn, CameraProgram, Command, Program
+from seamark.sim.engine.program import (
+    Autopilot,
+    BuiltIn,
+    CameraProgram,
+    Command,
+    ImageProgram,
+    Program,
+)
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder, width_for
@@ -59,6 +66,7 @@ class ClosedLoop:
         self._oracle = program.oracle if isinstance(program, BuiltIn) else None
         self._autopilot = program if isinstance(program, Autopilot) else None
         self._camera_program = program if isinstance(program, CameraProgram) else None
+        self._image_program = program if isinstance(program, ImageProgram) else None
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._physics_steps = config.physics_steps_per_control_step
@@ -134,11 +142,15 @@ class ClosedLoop:
         """
         if not self._world.plant.read_pose(self._pose):
             raise _invalid(self._start_s + step * self._dt, "the vehicle's state")
-        self._track(step)
+        motion = self._pose
+        if self._motion_blur or self._arm is not None:
+            motion = self.motion()
+        self._track(step, motion)
         t = self._start_s + step * self._dt
         self._measure(step, t, row)
         if self.images is not None:
-            self.images.step(Exposure(step, t, self.motion(), self._first_frame + step))
+            moving = self.motion() if motion is self._pose else motion
+            self.images.step(Exposure(step, t, moving, self._first_frame + step))
             self.observation[-1] = self.images.t
 
     def act(self, step: int, row: Row) -> None:
@@ -151,8 +163,8 @@ class ClosedLoop:
         """
         if step == 0:
             self._reset()
-        if self.images is not None:
-            self.images.show_to(self._program)
+        if self.images is not None and self._image_program is not None:
+            self.images.show_to(self._image_program)
         reference = self._program_step()
         row[_REFERENCE], row[STEP_US] = reference[:VEHICLE], self._step_us
         arrived = self._delayed.step(reference)
@@ -182,10 +194,8 @@ class ClosedLoop:
         parts = [self._pose, self._world.plant.velocity()]
         return np.concatenate([*parts, *(self._arm.motion() if self._arm else ())])
 
-    def _track(self, step: int) -> None:
-        pose, tracking = self._pose, self._world.tracking
-        if self._motion_blur or self._arm is not None:
-            pose = self.motion()
+    def _track(self, step: int, pose: Row) -> None:
+        tracking = self._world.tracking
         if self._camera_program is not None:
             self._motions.append((self._first_frame + step, pose.copy()))
         track = tracking.update if step else tracking.start

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.control.observation import ARM_CAMERA, Images
-from seamark.sim.engine.program import ImageProgram, Program
+from seamark.sim.engine.program import ImageProgram
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.arrays import Array
 
@@ -55,9 +55,9 @@ class ImagesInLoop:
             self.newest = {name: self._render(name, taken) for name in self._names}
             self.t = taken.t
 
-    def show_to(self, program: Program) -> None:
-        """Give a program that can take them the newest images, once."""
-        if self._new and isinstance(program, ImageProgram):
+    def show_to(self, program: ImageProgram) -> None:
+        """Give a program the newest images, once."""
+        if self._new:
             program.show(self.newest)
 
     def _render(self, name: str, taken: Exposure) -> NDArray[np.uint8]:
