@@ -55,7 +55,7 @@ _STATION = _Case(
 )
 _WITH_ARM = tuple(
     _Case(name, {"levels": [0.0, 0.2], "level_duration_s": 90.0, "images": "arm"}, 180.0)
-    for name in ("recover-v1", "valve-v1")
+    for name in ("recover-v1", "valve-v1", "connect-v1")
 )
 # None of them is called within another one.
 _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
