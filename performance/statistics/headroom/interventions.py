@@ -9,6 +9,7 @@ these trials. They are those of `seamark run BENCHMARK --controller ENTRY --seed
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import NamedTuple
 
 from performance import DOCS
 from performance.statistics.headroom import over_current
@@ -28,10 +29,22 @@ SCORES = {
     "valve-v1": "turned up to",
     "connect-v1": "plugged up to",
 }
-# Success [%] at the weakest currents that others published for the last stage: WasserMan, arXiv
-# 2610.04536, RotateValve.
-PUBLISHED = {"valve-v1": ("WasserMan, diffusion policy", (87.8, 64.4, 68.9))}
-OWN = ("scripted", "resolved-rate", "oracle")  # that are set beside it
+OWN = ("scripted", "resolved-rate", "oracle")  # that are set beside what others published
+
+
+class Published(NamedTuple):
+    """What others published of a task like ours, at the weakest currents."""
+
+    whose: str
+    what: str  # is counted; it tells the tables of a page apart
+    shares: tuple[str, ...]  # [%] at 0 m/s and so on
+
+
+# WasserMan, arXiv 2610.04536: RotateValve, and the plug: 0 to 2 of 30, a range for all currents.
+PUBLISHED = {
+    "valve-v1": Published("WasserMan, diffusion policy", "success", ("87.8", "64.4", "68.9")),
+    "connect-v1": Published("WasserMan, learned policies", "plugged", ("0.0 to 6.7",) * 3),
+}
 
 
 def columns(speeds: Sequence[float], one: Measured) -> Mapping[str, str]:
@@ -59,22 +72,18 @@ def plan(name: str) -> Headroom:
 
 def published_table(name: str, entries: Mapping[str, Measured]) -> str:
     """Return the Markdown table of what others published beside our entries [%]."""
-    whose, shares = PUBLISHED[name]
-    definition = benchmark(name)
-    speeds = definition.read({}).level_values()[: len(shares)]
+    published, definition = PUBLISHED[name], benchmark(name)
+    speeds = definition.read({}).level_values()[: len(published.shares)]
     first, *others = (f"{speed:g} m/s" for speed in speeds)
     ours = (
         (
             definition.baselines[own].title,
-            *(100.0 * one for one in entries[own].levels["completed"]),
+            *(f"{100.0 * one:.1f}" for one in entries[own].levels["completed"][: len(speeds)]),
         )
         for own in OWN
     )
-    rows = (
-        (title, *(f"{share:.1f}" for share in row[: len(shares)]))
-        for title, *row in ((whose, *shares), *ours)
-    )
-    return markdown_table(("entry", f"success [%] at {first}", *others), rows)
+    rows = ((published.whose, *published.shares), *ours)
+    return markdown_table(("entry", f"{published.what} [%] at {first}", *others), rows)
 
 
 def main(arguments: Sequence[str]) -> int:

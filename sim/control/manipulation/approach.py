@@ -313,12 +313,17 @@ class Steady(Approach):
 
 
 class FirstLook(Approach):
-    """Looks for the first seconds only, and then goes by dead reckoning."""
+    """Looks for the first seconds of a level only, and then goes by dead reckoning."""
 
     LOOK_S: ClassVar[float]
 
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.looks_to_s = float(level["t"]) + self.LOOK_S
+
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
-        if observation.t < self.LOOK_S:
+        if observation.t < self.looks_to_s:
             super()._look(observation, tilt, yaw)
 
 
@@ -340,7 +345,7 @@ class ArmCompensates(Approach):
             return super()._compensate(error, joints, tilt, velocity, observation, speeds)
         tool, columns = self.kinematics.jacobian(joints)
         turning = cross(self._rates(observation), tool.point)
-        moved = plus(velocity, applied(tilt, turning))
+        moved = plus(self._from_the_goal(velocity), applied(tilt, turning))
         wanted = minus(limited(times(error, self.GAIN_1_S), 0.3), moved)
         numbers = [n for n in self.kinematics.reaching if n != self.wrist]
         ways = [applied(tilt, columns[n][0]) for n in numbers]
@@ -355,6 +360,10 @@ class ArmCompensates(Approach):
         posture = [*self.working]
         posture[self.wrist] = joints[self.wrist]
         return self._left(error, tool.point, self.kinematics.tool(posture).point, tilt)
+
+    def _from_the_goal(self, velocity: Vector) -> Vector:
+        """Return the vehicle's velocity relative to where the tool should be: as if that rested."""
+        return velocity
 
     def _folded(self) -> bool:
         """Return whether the arm keeps its posture now."""

@@ -24,6 +24,11 @@ from seamark.sim.control.manipulation.arm_reading import data_of, mount_of
 from seamark.sim.control.manipulation.kinematics import (
     ArmKinematics,
     Matrix,
+    column,
+    minus,
+    product,
+    rotation,
+    times,
 )
 from seamark.sim.control.manipulation.sight import find
 from seamark.sim.control.observation import Observation
@@ -45,15 +50,19 @@ FACE_M = 0.03  # of the tip above the face, from where on it goes on slowly and 
 # since it swings in the jaws.
 PUSH_N, TOUCH_N = 50.0, 20.0
 GIVE_M = 0.005  # by which it gives way
-IN_M, SEATED_M = 0.03, 0.072  # of the tip below the face, in the bore and at its bottom
+SEATED_M = 0.072  # of the tip below the face, at the bottom of the bore
 QUIET_S = 0.6  # over which the height is smoothed: the depth is noisy
 AHEAD_M = 0.03  # of where the tip is asked to be, below it
+CENTRE_M_S = 0.03  # of the hand towards the jaw that touches alone: as fast as that closes
 STEP_M = 0.004  # of a tip that goes on sinking
 STANDS_S, STUCK_S = 2.0, 6.0  # without that: at the bottom or before the bore, and within
 # Places that are tried after the first: how far from it, by how much farther each, at most; and the
 # angle from one to the next.
 FIRST_M, STRIDE_M, WIDEST_M, TURN_RAD = 0.01, 0.004, 0.035, 2.4
 LIFTED_M = 0.03  # of the tip above the face between them
+# Of each axis of the DVL: the middle of the range that docs/benchmarks.md gives, and the signs.
+DVL_ERROR_M_S = 0.0075
+SIGNS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
 AWAY_M = 0.45  # of the tool above a seated connector's handle
 CLOSE, LIFT, CARRY, LOWER, INSERT, OPEN, LEAVE = range(WORK, WORK + 7)
 
@@ -65,6 +74,7 @@ class PlugConnector(Steady):
     BOTTOM_M = 0.0
     HANDLE_M = TIP_M
     HANDLE_RAD = 0.5 * PI
+    IN_M: ClassVar[float] = 0.03  # of the tip below the face, in the bore
     CARRIES: ClassVar[frozenset[int]] = frozenset({CARRY, LOWER, INSERT})
     HOLDS: ClassVar[frozenset[int]] = frozenset({CLOSE, LIFT, CARRY, LOWER, INSERT})
 
@@ -207,7 +217,7 @@ class PlugConnector(Steady):
         self.stands_s += self.dt
         if self.height < self.lowest - STEP_M:
             self.lowest, self.stands_s = self.height, 0.0
-        inside = self.lowest < -IN_M
+        inside = self.lowest < -self.IN_M
         if self.lifted:
             self._come_down_again()
         elif self.stands_s > (STANDS_S if self.lowest < -SEATED_M or not inside else STUCK_S):
@@ -257,19 +267,90 @@ class Scripted(PlugConnector):
 
 
 class Blind(Scripted):
-    """Sees the panel once, at the start, and then goes by dead reckoning."""
+    """Sees the panel once, at the start, then goes by dead reckoning and feels for the bar.
+
+    It guesses the signs of the DVL's errors, which are never small. When the hand has closed on
+    nothing, it guesses others, and goes where the bar would be then.
+    """
 
     label = "Blind after the first look"
+    ABOVE_M, SETTLE_S = 0.25, 0.0
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.guesses, self.reckoned_s = 0, 0.0
 
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
         if self.work is None:
             super()._look(observation, tilt, yaw)
 
+    def _reckon(self, velocity: Vector, yaw: float) -> None:
+        self.reckoned_s += self.dt
+        super()._reckon(minus(velocity, self._error()), yaw)
+
+    def _error(self) -> Vector:
+        """Return the errors of surge and sway by the DVL that it guesses [m/s]."""
+        surge, sway = SIGNS[self.guesses % len(SIGNS)]
+        return surge * DVL_ERROR_M_S, sway * DVL_ERROR_M_S, 0.0
+
+    def _again(self) -> None:
+        if self.phase >= WORK:
+            before = self._error()
+            self.guesses += 1
+            moved = times(minus(before, self._error()), self.reckoned_s)
+            for axis, off in enumerate(turned(moved, self.attitude[2])):
+                self.place[axis] += off
+        super()._again()
+
 
 class ResolvedRate(ArmCompensates, PlugConnector):
-    """The arm takes off what the vehicle leaves of the error, at the rate of its joints."""
+    """The arm takes off what the vehicle leaves of the error, at the rate of its joints.
 
+    It knows how the goal moves, so that the hand does not lag behind it, and follows the jaw that
+    touches the bar first, so that the closing hand does not tilt the connector.
+    """
+
+    label = "Resolved rate: vehicle and arm together"
     GAIN_1_S = 0.7  # more, and the weight of the arm lets the vehicle roll
+    BOTTOM_M = 0.01  # lower, and the jaws close on the peg below the bar, askew
+    IN_M = 0.045  # below the funnel, in which it may stand on the edge of the bore
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Forget everything."""
+        super().reset(level)
+        self.going = (0.0, 0.0)  # [m/s] of the goal, north and east
+
+    def _from_the_goal(self, velocity: Vector) -> Vector:
+        """Return the velocity without the drift, relative to a goal that moves."""
+        north, east = (self.drift[axis] + self.going[axis] for axis in (0, 1))
+        ahead, side = turned((north, east, 0.0), -self.attitude[2])
+        return velocity[0] - ahead, velocity[1] - side, velocity[2] - self.falling
+
+    def _correct(self, off: Vector) -> None:
+        """Learn the drift until the work begins: the view from a carrying hand swings."""
+        drift = [*self.drift]
+        super()._correct(off)
+        if self.phase >= WORK:
+            self.drift = drift
+
+    def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
+        super()._work(observation, error, joints)
+        self.going = self._to_the_bar(observation, joints)
+        north, east = (
+            now + self.dt * speed for now, speed in zip(self.beside, self.going, strict=True)
+        )
+        self.beside = north, east
+
+    def _to_the_bar(self, observation: Observation, joints: list[float]) -> tuple[float, float]:
+        """Return how the closing hand goes to the side of the jaw that touches alone [m/s]."""
+        port, starboard = observation.touch.tolist()[-2:]
+        if self.phase != CLOSE or port == starboard:
+            return 0.0, 0.0
+        roll, pitch, yaw = self._attitude(observation)
+        turn = product(rotation(roll, pitch, 0.0), self.kinematics.tool(joints).turn)
+        speed = CENTRE_M_S if starboard else -CENTRE_M_S
+        return turned(times(column(turn, 1), speed), yaw)
 
     def _folded(self) -> bool:
         return self._stiff()
@@ -284,7 +365,5 @@ class ResolvedRate(ArmCompensates, PlugConnector):
 
     def _stiff(self) -> bool:
         """Return whether something else holds the connector."""
-        inserted = self.phase == INSERT and (self.stood or self.lowest < -IN_M)
+        inserted = self.phase == INSERT and (self.stood or self.lowest < -self.IN_M)
         return inserted or self.phase == OPEN
-
-    label = "Resolved rate: vehicle and arm together"

@@ -1,9 +1,10 @@
 """Oracles of interventions: they see the truth and have no latency. Marks on the leaderboard."""
 
+import math
 from collections.abc import Mapping
 from pkgutil import resolve_name
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 from seamark.sim.control.manipulation import recover, valve
 from seamark.sim.control.manipulation.approach import FALL, WORK, Approach, clipped, turned
@@ -11,7 +12,7 @@ from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotation
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.libm import atan2
+from seamark.sim.numerics.libm import PI, atan2
 from seamark.sim.numerics.statistics import mean
 
 KYAW, YAW_RAD_S = 0.6, 0.2  # [1/s, rad/s] of the heading
@@ -96,19 +97,23 @@ class Oracle(Approach):
             self.handle = atan2(turn[1][1], turn[0][1])
 
 
-class RecoverOracle(Oracle, recover.ResolvedRate):
-    """`recover.ResolvedRate` that sees the truth and turns its bow into the current to come.
+class IntoCurrent(Oracle):
+    """Turns its bow into the mean current of the next seconds, about the tool.
 
     A Girona 500 resists from ahead more than twice the current that it resists from abeam. Small
     angles it leaves alone, because its thrusters give the same force either to turn or to push.
     """
 
-    # It need not look or feel, and knows the depth.
-    ABOVE_M, SLOW_M, BOTTOM_M, SETTLE_S, FEEL_M = 0.25, 0.3, 0.02, 0.0, 0.0
+    KEEPS_HEADING: ClassVar[frozenset[int]]  # phases in which the work does not let it turn
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Hold the depth and heading of the start."""
+        super().reset(level)
+        self._ends_s = level["t"] + level["duration_s"]
 
     def step(self, observation: Observation) -> list[float]:
         """Return the command."""
-        left_s = max(self._settings.level_duration_s - observation.t, 0.0)
+        left_s = max(self._ends_s - observation.t, 0.0)
         step_s = min(AHEAD_S, left_s) / (SAMPLES - 1)
         flows = [self._plant.current_world(step_s * k).tolist() for k in range(SAMPLES)]
         self._flow = [mean([flow[axis] for flow in flows]) for axis in (0, 1)]
@@ -118,10 +123,9 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
         return self._yaw_rate()
 
     def _yaw_rate(self) -> float:
-        if self.phase in {FALL, recover.CLOSE}:  # the jaws stay across the handle
+        if self.phase in self.KEEPS_HEADING:
             return 0.0
-        off = self._off_the_bow()
-        return clipped(KYAW * (off - clipped(off, SMALL_RAD)), YAW_RAD_S)
+        return clipped(KYAW * self._to_turn(), YAW_RAD_S)
 
     def _fly(self, error: Vector, yaw: float, observation: Observation) -> list[float]:
         """Return surge, sway and heave; the vehicle turns about the tool."""
@@ -131,12 +135,12 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
         return [surge + rate * side, sway - rate * ahead, heave]
 
     def _ready(self) -> bool:
-        return abs(self._off_the_bow()) < BOW_RAD
+        return super()._ready() and abs(self._to_turn()) < BOW_RAD - SMALL_RAD
 
-    def _go(self, phase: int) -> None:
-        """Go to a phase; the jaws wait until the vehicle, which they would stop, is at rest."""
-        if phase != recover.CLOSE or abs(self._plant.velocity()[2]) < CALM_M_S:
-            super()._go(phase)
+    def _to_turn(self) -> float:
+        """Return how far it is to turn now [rad]."""
+        off = self._off_the_bow()
+        return off - clipped(off, SMALL_RAD)
 
     def _off_the_bow(self) -> float:
         """Return the direction from which the water comes in the mean, from the bow [rad]."""
@@ -147,9 +151,77 @@ class RecoverOracle(Oracle, recover.ResolvedRate):
         return atan2(side, ahead)
 
 
-class ValveOracle(Oracle, valve.ResolvedRate):
-    """`valve.ResolvedRate` that sees the truth.
+class AgainstCurrent(IntoCurrent):
+    """Turns the stern into the current if that is nearer at the start, and knows the force of it.
 
-    It keeps its heading: turning the bow into the current costs the wrist room and time, and did
-    not turn the valve more often.
+    A current that swings about the bow changes its force across the hull faster than one from
+    abeam, and the velocity controller, which is not told, learns of that too late.
     """
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Hold the depth and heading of the start."""
+        super().reset(level)
+        self._stern: bool | None = None  # until there is a current
+        self._known_n = [0.0, 0.0]
+
+    def commands(self) -> Array:
+        """Return the thrusters' commands, (n,) in [-1, 1]."""
+        self._feed_forward()
+        return super().commands()
+
+    def _feed_forward(self) -> None:
+        """Tell the velocity controller at once how the force of the current changes."""
+        north, east, down = self._plant.current_world().tolist()
+        water = turned((north, east, down), -self._plant.pose()[5])
+        speeds = self._plant.velocity().tolist()
+        for axis, record in enumerate(self._law.records()[1][:2]):
+            now_n = _drag(record, speeds[axis]) - _drag(record, speeds[axis] - water[axis])
+            record["disturbance"] += now_n - self._known_n[axis]
+            self._known_n[axis] = now_n
+
+    def _off_the_bow(self) -> float:
+        off = super()._off_the_bow()
+        if self._stern is None and off != 0.0:
+            self._stern = abs(off) > 0.5 * PI
+        return off - math.copysign(PI, off) if self._stern and off != 0.0 else off
+
+
+class RecoverOracle(IntoCurrent, recover.ResolvedRate):
+    """`recover.ResolvedRate` that sees the truth and turns its bow into the current to come."""
+
+    # It need not look or feel, and knows the depth.
+    ABOVE_M, SLOW_M, BOTTOM_M, SETTLE_S, FEEL_M = 0.25, 0.3, 0.02, 0.0, 0.0
+    KEEPS_HEADING = frozenset({FALL, recover.CLOSE})  # the jaws stay across the handle
+
+    def _go(self, phase: int) -> None:
+        """Go to a phase; the jaws wait until the vehicle, which they would stop, is at rest."""
+        if phase != recover.CLOSE or abs(self._plant.velocity()[2]) < CALM_M_S:
+            super()._go(phase)
+
+
+class ValveOracle(AgainstCurrent, valve.ResolvedRate):
+    """`valve.ResolvedRate` that sees the truth and turns bow or stern into the current to come.
+
+    It turns as far as the wrist has room for its whole way then.
+    """
+
+    KEEPS_HEADING = frozenset({FALL, valve.TURN, valve.LEAVE})
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Hold the depth and heading of the start."""
+        super().reset(level)
+        self._turn_rad = 0.0
+
+    def _before(self, joints: list[float], tilt: Matrix, yaw: float) -> tuple[float, float]:
+        way, askew = super()._before(joints, tilt, yaw)
+        turn = super()._to_turn()
+        self._turn_rad = turn + self._room(way - turn)[1]
+        return way, askew
+
+    def _to_turn(self) -> float:
+        return self._turn_rad
+
+
+def _drag(axis: Any, speed: float) -> float:
+    """Return the nominal drag of an axis of the velocity controller [N]."""
+    return float((axis["linear"] + axis["quadratic"] * abs(speed)) * speed)

@@ -81,7 +81,10 @@ class TurnValve(Steady):
 
     def _before(self, joints: list[float], tilt: Matrix, yaw: float) -> tuple[float, float]:
         """Return the wrist's angle to start from, and by how much it is beyond what leaves room."""
-        angle = self._across(joints, tilt, yaw) + 0.5 * PI - STRADDLE_RAD
+        return self._room(self._across(joints, tilt, yaw) + 0.5 * PI - STRADDLE_RAD)
+
+    def _room(self, angle: float) -> tuple[float, float]:
+        """Return the same for an angle that may be half a turn off."""
         low, high = self.kinematics.ranges[self.wrist]
         low, high = low + SPARE_RAD, high - SPARE_RAD - SWEEP_RAD
         ways = (angle + turns * PI for turns in (-2, -1, 0, 1))

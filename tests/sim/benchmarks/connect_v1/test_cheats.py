@@ -1,6 +1,6 @@
 """Programs that do not plug the connector with a hand stay at the bottom of connect-v1."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -131,9 +131,11 @@ def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.f
     return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
 
 
-def attempts_of(cheat: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+def attempts_of(
+    cheat: Callable[[Any], Any], trials: Iterable[int] = TRIALS
+) -> list[NDArray[np.float64]]:
     """Return the rows of a level of each trial."""
-    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in TRIALS]
+    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in trials]
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -207,7 +209,9 @@ def test_commands_that_plugged_a_connector_once_plug_it_again_but_no_other() -> 
 
 
 def test_who_stops_looking_plugs_less_than_who_looks_on() -> None:
-    assert sum(map(credit, attempts_of(Blind))) < 0.5 * sum(map(credit, attempts_of(Scripted)))
+    blind, seeing = (sum(map(credit, attempts_of(entry, range(6)))) for entry in (Blind, Scripted))
+
+    assert blind < 0.5 * seeing
 
 
 def test_the_scripted_entry_goes_through_all_its_steps() -> None:
