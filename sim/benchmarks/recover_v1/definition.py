@@ -29,5 +29,5 @@ BENCHMARK = intervention_benchmark(
         "oracle": "Oracle: knows the truth",
     },
     notes={"imitation": imitation.notes()},
-    scale=(0.0, 0.508),  # ./run performance intervention_headroom recover-v1
+    scale=(0.0, 0.498),  # ./run performance intervention_headroom recover-v1
 )
