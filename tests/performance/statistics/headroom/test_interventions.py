@@ -99,6 +99,16 @@ def test_the_best_built_in_idea_leaves_a_fifth_of_the_scale_to_the_oracle(name: 
 
 
 @pytest.mark.parametrize("name", SCORES)
+def test_the_oracles_credit_falls_with_the_current_neither_all_at_once_nor_hardly(
+    name: str,
+) -> None:
+    credit = plan(name).known()["oracle"].levels["credit"]
+
+    assert max(weaker - stronger for weaker, stronger in pairwise(credit)) < 0.4
+    assert credit[0] - credit[-1] > 0.4
+
+
+@pytest.mark.parametrize("name", SCORES)
 def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale(
     name: str,
 ) -> None:
