@@ -40,7 +40,7 @@ class Published(NamedTuple):
     shares: tuple[str, ...]  # [%] at 0 m/s and so on
 
 
-# WasserMan, arXiv 2610.04536: RotateValve, and the plug: 0 to 2 of 30, a range for all currents.
+# WasserMan, arXiv 2610.04536: RotateValve, and the plug: 0 to 2 of 30, a range without currents.
 PUBLISHED = {
     "valve-v1": Published("WasserMan, diffusion policy", "success", ("87.8", "64.4", "68.9")),
     "connect-v1": Published("WasserMan, learned policies", "plugged", ("0.0 to 6.7",) * 3),
