@@ -1,5 +1,7 @@
 """A camera on a link of a mechanism: it looks anywhere and sees the bodies of other links."""
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +40,13 @@ def downward(optics: Optics) -> Frame:
 def lamp_beside(camera: Frame) -> Frame:
     """Return where the lamp of `Camera` is: towards the upper edge of the image."""
     return Frame(camera.link, camera.point - LAMP_FORWARD_M * camera.turn[:, 2], camera.turn)
+
+
+@cache  # each level has cameras of its own
+def _mean_of_seabed(number: int) -> float:
+    """Return the mean of the seabed's texture in one colour channel [grey]."""
+    tile = texels(SEABED_SEED, number)
+    return int(tile.sum(dtype=np.int64)) / tile.size
 
 
 class LinkCamera:
@@ -154,7 +163,6 @@ class LinkCamera:
         """Return what belongs to one colour channel."""
         if number not in self._channels:
             water = self.water
-            tile = texels(SEABED_SEED, number)
             self._channels[number] = Tones(
                 channel=Channel(
                     seabed=seabed(SEABED_SEED, number),
@@ -164,7 +172,7 @@ class LinkCamera:
                     number=number,
                 ),
                 paints=self.bodies.paints(number),
-                mean=int(tile.sum(dtype=np.int64)) / tile.size,
+                mean=_mean_of_seabed(number),
             )
         return self._channels[number]
 
