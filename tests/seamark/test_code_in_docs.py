@@ -79,6 +79,7 @@ def test_a_tracker_scores_the_same_on_a_data_set_as_in_the_benchmark(
     assert "tau50:" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_tracker_of_the_documentation_follows_a_still_target(reader_folder: Path) -> None:
     (block,) = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
     names: dict[str, Any] = {}

@@ -84,6 +84,7 @@ def test_every_entry_loads() -> None:
     registry.load_all()
 
 
+@pytest.mark.slow
 def test_forms_need_neither_numba_nor_opencv() -> None:
     code = (
         "import sys; from seamark.sim.registry import BENCHMARKS, benchmark;"

@@ -19,6 +19,7 @@ def test_from_abeam_the_one_sway_thruster_of_a_girona_balances_the_drag() -> Non
     assert limit(vehicle, math.pi / 2) == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALTERNATING)
 def test_the_strongest_level_of_currents_v2_is_beyond_the_limit_but_for_the_bow(name: str) -> None:
     strongest = max(CurrentsConfiguration.read({}).levels)

@@ -106,6 +106,7 @@ def test_what_differs_is_named(
     assert "The result differs." in done.stdout
 
 
+@pytest.mark.slow
 def test_other_software_is_named_and_is_no_difference_if_the_numbers_are_the_same(
     archive: Path, tmp_path: Path
 ) -> None:
@@ -122,6 +123,7 @@ def test_other_software_is_named_and_is_no_difference_if_the_numbers_are_the_sam
     assert report["software"][1].startswith("code of the simulator: aaaaaaaaaaaa… in the archive")
 
 
+@pytest.mark.slow
 def test_an_archive_from_when_pybullet_computed_contacts_says_so(
     archive: Path, tmp_path: Path
 ) -> None:

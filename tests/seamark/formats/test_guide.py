@@ -34,6 +34,7 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("files")
 def test_the_python_of_the_guide_runs(rows: Rows, capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {}
@@ -47,6 +48,7 @@ def test_the_python_of_the_guide_runs(rows: Rows, capsys: pytest.CaptureFixture[
     assert f"mean distance {distance.mean()} m" in said
 
 
+@pytest.mark.slow
 def test_the_matlab_code_of_the_guide_runs(files: Path, rows: Rows) -> None:
     (code,) = blocks("matlab")
     said = subprocess.run(

@@ -43,6 +43,7 @@ def last_of(messages: Messages) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 def test_the_workpiece_is_placed_in_the_world_as_the_rows_have_it(
     messages: Messages, rows: Rows
 ) -> None:

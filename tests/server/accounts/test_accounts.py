@@ -42,6 +42,7 @@ def test_nobody_can_sign_in_to_an_account_without_a_password(database: Database)
         assert accounts.authenticate(session, "robot", "") is None
 
 
+@pytest.mark.slow
 def test_an_unknown_name_costs_as_much_as_a_wrong_password() -> None:
     real, drawn = HASHER_OF_SERVICE.hash(PASSWORD), accounts._hash_of_no_password(HASHER_OF_SERVICE)
 

@@ -181,6 +181,7 @@ def _schema(connection: Connection) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Skipped unsupported reflection of expression-based index")
 def test_a_downgrade_leads_to_the_schema_that_the_earlier_version_made(empty: Settings) -> None:
     database, made, left = Database(empty.database_url), {}, {}

@@ -341,6 +341,7 @@ def test_region_has_the_bytes_of_the_whole_image(
     assert np.array_equal(part[rows, columns], whole[rows, columns])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(EFFECTS)), ids=list(EFFECTS))
 def test_grey_image_is_the_green_channel_of_the_coloured_one(number: int) -> None:
     links = SIGHTS["oblique"]
@@ -405,6 +406,7 @@ def test_points_are_projected_as_pixels_are_rendered() -> None:
     assert np.isnan(images[2]).all()  # behind the camera
 
 
+@pytest.mark.slow
 def test_points_are_shown_unless_something_is_before_them() -> None:
     ball = look("sphere", (0.2, 0.2, 0.2), WHITE, at=(0.0, 0.0, 4.0))
     links = placed((DOWN, (0.0, 0.0, 3.0)))

@@ -16,6 +16,7 @@ DARK = 1e-9  # as good as no daylight
 AT_THE_CAMERA = Frame("camera", np.zeros(3), np.eye(3))
 
 
+@pytest.mark.slow
 def test_light_level_scales_bodies_seabed_and_veil_alike() -> None:
     looks = [look("sphere", (0.4, 0.4, 0.4), "#c0c0c0", at=(0.0, 0.0, 4.5))]
     links = placed((DOWN, (0.0, 0.0, 3.5)))
@@ -107,6 +108,7 @@ def test_what_moves_with_the_camera_stays_sharp_while_the_rest_is_blurred() -> N
     assert steepest[3] < 0.4 * steepest[1]
 
 
+@pytest.mark.slow
 def test_a_turning_link_is_blurred_over_the_arc_of_the_exposure() -> None:
     """The end of a bar that turns under a camera at rest: bright for a share of the time."""
     bar = look("box", (0.02, 0.8, 0.02), "#ffffff", link="first")
@@ -139,6 +141,7 @@ def test_snow_is_hidden_behind_bodies() -> None:
     assert 10 < flakes[1] < 0.4 * flakes[0]
 
 
+@pytest.mark.slow
 def test_scatter_blurs_by_the_distance_of_what_is_ahead() -> None:
     effects = Effects(scatter_rad=0.01)
     near = look("box", (0.02, 0.4, 0.4), "#808080", link="camera", at=(0.3, 0.0, 0.0))

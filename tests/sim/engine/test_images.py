@@ -158,6 +158,7 @@ def test_images_are_read_only_and_have_the_sizes_of_the_layout() -> None:
     assert not any(image.flags.writeable for image in images.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", ["pi", "lqr"])
 def test_a_run_that_ignores_its_images_has_the_bytes_of_one_without(controller: str) -> None:
     digests = set()

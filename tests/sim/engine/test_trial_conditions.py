@@ -67,6 +67,7 @@ def test_a_quarter_of_the_trials_has_one_weak_thruster() -> None:
     assert np.all((gains[gains < 1.0] >= 0.5) & (gains[gains < 1.0] <= 0.75))
 
 
+@pytest.mark.slow
 def test_all_latencies_are_equally_likely() -> None:
     delays = [drawn(7, trial) for trial in range(600)]
 

@@ -20,6 +20,7 @@ def rows() -> Rows:
     return np.concatenate(kept)
 
 
+@pytest.mark.slow
 def test_the_force_on_the_workpiece_is_as_large_as_the_push(rows: Rows) -> None:
     force = rows[:, WORK_INDEX["work_fx"] : WORK_INDEX["work_fz"] + 1]
 

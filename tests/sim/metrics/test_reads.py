@@ -32,6 +32,7 @@ def _metrics(benchmark: str, rows: Rows, absent: frozenset[str]) -> dict[str, An
     return experiment.metrics(config, 0, rows, absent=absent) | original
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("benchmark", BENCHMARKS)
 def test_a_metric_is_the_same_whatever_stands_in_columns_that_it_does_not_read(
     benchmark: str,

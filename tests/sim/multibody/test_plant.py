@@ -62,6 +62,7 @@ def test_a_vehicle_that_is_trimmed_for_its_arm_lies_as_without(vehicle: str, arm
     assert plant.joints() == pytest.approx(home, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_an_arm_that_is_drawn_in_lifts_the_bow_and_stretched_again_no_more() -> None:
     plant = armed()
 

@@ -3,6 +3,7 @@
 from itertools import product
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -144,6 +145,7 @@ def test_a_rod_is_as_far_from_a_cylinder_as_the_nearest_of_its_points(seed: int)
         assert np.linalg.norm(nearer, axis=1).min() < 2e-3  # it is on the rod's axis
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 def test_a_peg_that_leans_is_as_far_from_a_hole_as_the_nearest_of_its_points(
     seed: int,

@@ -67,6 +67,7 @@ def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
         )
 
 
+@pytest.mark.slow
 def test_code_is_kept_under_the_stamp_also_if_numba_was_imported_before_the_simulator() -> None:
     code = (
         "import numba\nfrom seamark.sim.numerics import libm\nprint(libm.sin._cache.cache_path)\n"

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from seamark.sim.numerics.student_t import quantile, tail
 
 
+@pytest.mark.slow
 @given(t=st.floats(0.0, 200.0), degrees=st.floats(0.6, 1e5))
 def test_the_tail_is_that_of_scipy(t: float, degrees: float) -> None:
     assert tail(t, degrees) == pytest.approx(scipy.stats.t.sf(t, degrees), rel=1e-9, abs=1e-290)

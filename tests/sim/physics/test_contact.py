@@ -85,6 +85,7 @@ def bottom(heavy: Vehicle, engine: MakeEngine) -> Iterator[Listening]:
     contact.close()
 
 
+@pytest.mark.slow
 def test_a_steady_force_of_fifty_newtons_reads_fifty_newtons(
     heavy: Vehicle, bottom: Listening
 ) -> None:

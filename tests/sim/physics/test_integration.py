@@ -155,6 +155,7 @@ def test_another_processor_gives_the_same_bytes() -> None:
     assert digests[0] == digests[1]
 
 
+@pytest.mark.slow
 def test_the_machine_code_has_no_fused_operations() -> None:
     plant = Plant(load("girona500"), Current(0.1))
     plant.reset(START)

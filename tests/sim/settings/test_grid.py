@@ -169,6 +169,7 @@ loops = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(loops=loops)
 def test_a_grid_has_the_points_of_nested_loops_in_their_order(
     loops: list[tuple[str, list[float]]],

@@ -54,6 +54,7 @@ def test_visp_follows_the_target(short: Sequence, options: dict[str, Any], limit
     assert errors.max() < limit_px
 
 
+@pytest.mark.slow
 @here
 def test_visp_predicts_a_steady_motion_only_where_it_is_asked_to() -> None:
     camera = Camera(VISIBILITY, Water(), Target(width_m=0.28), noise_seed=3)
@@ -72,6 +73,7 @@ def test_visp_predicts_a_steady_motion_only_where_it_is_asked_to() -> None:
     assert errors[1] < 1.0
 
 
+@pytest.mark.slow
 @here
 @pytest.mark.parametrize("warp", ["translation", "rt", "srt", "affine", "homography"])
 @pytest.mark.parametrize("sl3", [False, True])
@@ -122,6 +124,7 @@ def test_what_visp_does_not_have_is_refused_by_name(options: dict[str, Any], rea
         make("visp", **options)
 
 
+@pytest.mark.slow
 @here
 def test_a_bridge_that_dies_loses_the_target_and_not_the_run(short: Sequence) -> None:
     tracker = make("visp", **IC)

@@ -44,6 +44,7 @@ def test_the_hook_holds_what_two_cylinders_weigh() -> None:
     assert found.payload_n == joint(found, "upper arm").payload_n
 
 
+@pytest.mark.slow
 def test_figures_of_our_arms_are_those_that_are_published() -> None:
     larger, smaller = figures(load_linkage("arm-5e-like")), figures(load_linkage("alpha-like"))
 
@@ -53,6 +54,7 @@ def test_figures_of_our_arms_are_those_that_are_published() -> None:
     assert smaller.reach_m == pytest.approx(0.41, abs=0.002)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["alpha-like", "arm-5e-like"])
 def test_nothing_is_wrong_with_our_arms(name: str) -> None:
     arm = load_linkage(name)

@@ -87,6 +87,7 @@ class Finished:
         return RunOutcome(metrics={"score": 50.0}, manifest={}, digest="0" * 64)
 
 
+@pytest.mark.slow
 def test_a_run_that_is_cancelled_while_its_result_is_stored_is_closed_as_cancelled(
     backend: Backend, redis_url: str
 ) -> None:

@@ -13,6 +13,7 @@ from performance.perception.trackers.race import race
 EACH = 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma_px", [8.0, 11.0, 14.0])
 def test_the_convergence_basin_is_not_narrower_than_that_of_ecc(sigma_px: float) -> None:
     cases = tuple(displaced(sigma_px, each=EACH))
@@ -33,6 +34,7 @@ def test_a_turning_photograph_is_tracked_at_most_a_fifth_less_precisely_than_by_
     assert ratio(errors_px(OURS), errors_px(ECC)) < 1.2
 
 
+@pytest.mark.slow
 def test_displaced_corners_have_the_standard_deviation_that_is_asked_for() -> None:
     cases = tuple(displaced(8.0, each=20))
     moves = np.array([case.after - case.before for case in cases])

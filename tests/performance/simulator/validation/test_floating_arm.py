@@ -98,6 +98,7 @@ def test_a_clock_that_is_ahead_reads_later_joints() -> None:
     assert trial.with_clock(1.0).joints[50] == pytest.approx(trial.joints[60])
 
 
+@pytest.mark.slow
 def test_the_interval_of_equal_errors_is_that_error() -> None:
     errors = [np.full((200, 2), 2.0), np.full((300, 2), 2.0)]
 

@@ -108,6 +108,7 @@ def test_the_dvl_of_the_first_version_has_no_bias_and_that_of_the_second_one_has
     assert water_tests.dvl_bias_mm_s("currents-v2") > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_closed_form_is_met_within_half_a_percent(name: str) -> None:
     cases = analytic.cases(name)

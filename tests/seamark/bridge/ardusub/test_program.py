@@ -46,6 +46,7 @@ def _built_in(name: str) -> Array:
     return np.concatenate(rows)[:, PLACE]
 
 
+@pytest.mark.slow
 def test_the_built_in_pi_behind_the_protocol_has_the_path_of_the_built_in_one() -> None:
     config: Any = registry.benchmark(BENCHMARK).restore(configuration(**ALIKE))
     rows: list[Array] = []

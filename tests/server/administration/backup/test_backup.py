@@ -241,6 +241,7 @@ def test_a_changed_byte_is_found(backend: Backend, empty_place: Settings, tmp_pa
     assert not (empty_place.data / "runs").exists()
 
 
+@pytest.mark.slow
 def test_what_a_restore_leaves_that_broke_off_is_no_service_until_it_is_repeated(
     backend: Backend, elsewhere: Settings, tmp_path: Path
 ) -> None:

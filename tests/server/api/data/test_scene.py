@@ -156,6 +156,7 @@ def test_the_scene_has_the_links_of_an_arm_and_the_columns_that_move_them(site: 
     assert bare["vehicle"]["arm"] is None
 
 
+@pytest.mark.slow
 def test_the_camera_on_the_arm_shows_what_lies_before_it_and_moves_with_the_joints(
     site: Site,
 ) -> None:

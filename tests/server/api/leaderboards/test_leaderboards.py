@@ -1,5 +1,7 @@
 """Leaderboards of more rows than one answer has."""
 
+import pytest
+
 from seamark.server.database.tables import Best, Run, User
 from tests.server.api.conftest import Site
 
@@ -26,6 +28,7 @@ def _fill(site: Site) -> None:
             session.add(row)
 
 
+@pytest.mark.slow
 def test_a_csv_has_all_ranks_unless_it_is_limited(site: Site) -> None:
     _fill(site)
 

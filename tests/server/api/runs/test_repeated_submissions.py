@@ -24,6 +24,7 @@ def _runs(site: Site) -> int:
     return len(site.call("owner", "GET", "/api/v1/runs").get_json()["runs"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [RUN, SWEEP])
 def test_a_repeated_submission_answers_as_the_first(site: Site, body: dict[str, Any]) -> None:
     first, second = _post(site, body, "a"), _post(site, body, "a")

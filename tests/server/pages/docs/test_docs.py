@@ -42,6 +42,7 @@ def test_the_page_of_the_telemetry_has_every_column_of_what_an_arm_works_on(site
     assert shown == names
 
 
+@pytest.mark.slow
 def test_the_page_of_languages_shows_each_starter_that_moves_an_arm_and_its_kinematics(
     site: Site,
 ) -> None:

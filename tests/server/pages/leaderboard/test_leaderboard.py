@@ -84,6 +84,7 @@ def test_shipped_reference_entries_are_shown_until_the_service_has_its_own(site:
     assert len(found["reference_entries"]) == len(shipped)
 
 
+@pytest.mark.slow
 def test_reference_entries_are_being_computed_only_as_long_as_their_runs_are_live(
     site: Site,
 ) -> None:

@@ -123,6 +123,7 @@ def test_bibtex_keeps_a_name_whole_whatever_characters_it_has(name: str) -> None
     assert plain(str(person)) == name
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(title=TITLES)
 def test_bibtex_keeps_any_title(title: str) -> None:

@@ -89,6 +89,7 @@ def test_a_day_later_there_are_new_ones(limited: Backend) -> None:
     limited.queue("ann", kind="ranked")
 
 
+@pytest.mark.slow
 def test_baselines_have_no_limit(limited: Backend) -> None:
     settings = limited.settings.model_copy(update={"ranked_day": 1})
 

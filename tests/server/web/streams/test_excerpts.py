@@ -42,6 +42,7 @@ def test_an_excerpt_of_a_long_run_holds_what_a_screen_shows(
     assert gaps.max() - gaps.min() < 0.11  # evenly
 
 
+@pytest.mark.slow
 def test_a_long_run_is_not_read_as_a_whole(recording: Recording) -> None:
     recording.record(LONG_RUN)
     until = position_now(recording.files)

@@ -85,6 +85,7 @@ def test_the_face_that_is_tracked_is_the_top_of_the_panel() -> None:
     assert np.allclose(scene.workpiece(draw).corners(), scene.target(draw).top_corners())
 
 
+@pytest.mark.slow
 def test_the_connector_stands_in_its_parking_place_until_it_is_taken() -> None:
     rows = run("nothing")
     z = rows[:, WORK_INDEX["workpiece_z"]]

@@ -85,6 +85,7 @@ def test_driving_away_scores_nothing_and_does_not_rank(command: Command) -> None
     assert not result.trial_score.rankable
 
 
+@pytest.mark.slow
 def test_dead_reckoning_fails_where_a_controller_with_a_camera_holds() -> None:
     settings = WEAKEST | {"levels": [0.1], "start_heading_rad": 0, "level_duration_s": 60.0}
     seeds = (1, 2, 3)

@@ -72,6 +72,7 @@ def test_the_face_that_is_tracked_is_the_top_of_the_panel() -> None:
     assert np.allclose(scene.workpiece(draw).corners(), tilted)
 
 
+@pytest.mark.slow
 def test_the_handle_starts_along_the_letters_and_above_the_face() -> None:
     rows, draw = run(), drawn(0)
     start = rows[0]
