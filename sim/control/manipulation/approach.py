@@ -67,14 +67,7 @@ class Approach(ABC):
     def __init__(self, config: Mapping[str, Any]) -> None:
         vehicle, arm = load(config["vehicle"]), load_linkage(config["arm"])
         self.kinematics = ArmKinematics(data_of(arm), mount_of(vehicle, arm.name))
-        self.camera = Pinhole(
-            focal_px=config["camera_focal_px"],
-            centre_px=(
-                0.5 * (config["camera_width_px"] - 1),
-                0.5 * (config["camera_height_px"] - 1),
-            ),
-            mount_m=tuple(config["camera_mount_m"]),
-        )
+        self.camera = Pinhole.told(config)
         self.face_m = tuple(config["face_m"])
         self.working = WORKING[arm.name]
         self.wrist = self.kinematics.reaching[-1]

@@ -1,7 +1,8 @@
 """Where a level rectangle is, from its corners in the image of a camera that looks down."""
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import Matrix, applied, plus
@@ -17,6 +18,13 @@ class Pinhole(NamedTuple):
     focal_px: float
     centre_px: tuple[float, float]
     mount_m: Vector
+
+    @classmethod
+    def told(cls, config: Mapping[str, Any]) -> "Pinhole":
+        """Return the camera of the configuration that a program gets."""
+        width, height = config["camera_width_px"], config["camera_height_px"]
+        centre = 0.5 * (width - 1), 0.5 * (height - 1)
+        return cls(config["camera_focal_px"], centre, tuple(config["camera_mount_m"]))
 
 
 class Seen(NamedTuple):

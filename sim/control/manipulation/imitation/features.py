@@ -45,14 +45,7 @@ class Features:
 
     def __init__(self, config: Mapping[str, Any], tool: Vector) -> None:
         """Set up; `tool` is where the tool is in the body, with the arm in its posture [m]."""
-        self.camera = Pinhole(
-            focal_px=config["camera_focal_px"],
-            centre_px=(
-                0.5 * (config["camera_width_px"] - 1),
-                0.5 * (config["camera_height_px"] - 1),
-            ),
-            mount_m=tuple(config["camera_mount_m"]),
-        )
+        self.camera = Pinhole.told(config)
         self.face_m, self.tool = tuple(config["face_m"]), tool
         self.reset()
 
