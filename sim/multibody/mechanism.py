@@ -20,6 +20,7 @@ from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.vehicles.matrices import shifted
 
 Point = tuple[float, float, float]
+_Moved = list[tuple[int, int]]  # degrees of freedom, and which of two shapes each moves
 _JOINTS = {"free": tree.FREE, "revolute": tree.REVOLUTE, "prismatic": tree.PRISMATIC}
 _KINDS = {
     "capsule": contacts.CAPSULE,
@@ -293,12 +294,15 @@ class Mechanism:
 
     def _rows(self, structure: Structure) -> Rows:
         entries = list(self._joint_rows())
-        places = list(dict.fromkeys((row.link, row.other, row.ratio) for row in entries))
+        # By trees, so that those that nothing ties to contacts are side by side.
+        places = sorted(
+            dict.fromkeys((row.link, row.other, row.ratio) for row in entries),
+            key=lambda place: structure.root[self.number(place[0])],
+        )
         place = [places.index((row.link, row.other, row.ratio)) for row in entries]
         links = [self.number(link) for link, _, _ in places]
         others = [self.number(other) for _, other, _ in places]
         lists = [self._place_chain(i, j, structure) for i, j in zip(links, others, strict=True)]
-        held = {i for each in lists for i, _ in each}
         pairs = self._pairs()
         lists += [self._pair_chain(a, b, structure) for a, b in pairs]
         frictions = [self.shapes[a].friction * self.shapes[b].friction for a, b in pairs]
@@ -314,7 +318,7 @@ class Mechanism:
             other_coordinate=_integers([structure.coordinate[max(i, 0)] for i in others]),
             chain=_padded([[i for i, _ in each] for each in lists]).astype(np.uint64),
             length=_integers([len(each) for each in lists]),
-            loose=_integers([held.isdisjoint(i for i, _ in each) for each in lists[len(places) :]]),
+            aside=_integers([_aside(lists[: len(places)], each) for each in lists[len(places) :]]),
             side=_padded([[side for _, side in each] for each in lists]),
             ratio=np.array([ratio for _, _, ratio in places], dtype=np.float64),
             most=np.array([row.most for row in entries], dtype=np.float64),
@@ -324,12 +328,12 @@ class Mechanism:
             spring=np.full(len(pairs), CONTACT_STIFFNESS),
         )
 
-    def _place_chain(self, link: int, other: int, structure: Structure) -> list[tuple[int, int]]:
+    def _place_chain(self, link: int, other: int, structure: Structure) -> _Moved:
         """Return the degrees of freedom that a row of joints feels."""
         both = {*_chain_of(link, structure), *_chain_of(other, structure)}
         return [(i, 1) for i in sorted(both, reverse=True)]
 
-    def _pair_chain(self, a: int, b: int, structure: Structure) -> list[tuple[int, int]]:
+    def _pair_chain(self, a: int, b: int, structure: Structure) -> _Moved:
         """Return the degrees of freedom that move two shapes, and which of the two."""
         first, second = (
             set(_chain_of(self.number(self.shapes[k].link), structure)) for k in (a, b)
@@ -364,6 +368,15 @@ def _inertia(link: Link) -> Array:
     except ValueError:
         return np.full(6, np.inf)  # it has no mass in some direction: others must carry it
     return 1.0 / np.diag(moved)
+
+
+def _aside(places: Sequence[_Moved], pair: _Moved) -> int:
+    """Return how many first places share no degree of freedom with a pair and later places."""
+    for count in range(len(places), 0, -1):
+        first = {i for each in places[:count] for i, _ in each}
+        if all(first.isdisjoint(i for i, _ in each) for each in (*places[count:], pair)):
+            return count
+    return 0
 
 
 def _integers(values: Sequence[int]) -> Integers:

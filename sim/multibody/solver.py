@@ -54,7 +54,7 @@ class Rows(NamedTuple):
     other_coordinate: Integers  # (b,)
     chain: NDArray[np.uint64]  # (b + m, c)
     length: Integers  # (b + m,)
-    loose: Integers  # (m,) 1 for pairs that move no degree of freedom of a place's list
+    aside: Integers  # (m,) so many first places share no speed with the pair and later places
     side: Integers  # as `chain`: 1 if it moves the first shape alone, -1 the second, 0 both
     ratio: Array  # (b,) of the coupling: speed - ratio * other = 0
     most: Array  # (r,) [N m or N] largest effort; coordinate of a limit [rad or m]
@@ -121,6 +121,7 @@ STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
 # those of a piston across its bore, and a force there would mean nothing.
 IMMOVABLE = 1e-9
 RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
+APPROACH_M_S = 1.5  # E: shapes that are too far for it to touch within a step get no rows
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -211,6 +212,12 @@ def _prepare_joints(
 
 
 @uncounted
+def within_reach(step_s: float) -> float:
+    """Return the gap [m] above which shapes cannot touch by the end of a step."""
+    return min(MARGIN_M, APPROACH_M_S * step_s)
+
+
+@uncounted
 def soft_row(stiffness: float, step_s: float) -> tuple[float, float]:
     """Return the share of an error that a spring takes back in a step, and its compliance.
 
@@ -267,13 +274,13 @@ def _prepare_contacts(
 ) -> int:
     """Write the rows of all slots in use; return how many those are."""
     shapes, rows, impulses = constraints.shapes, constraints.rows, constraints.impulses
-    count, cleared = 0, 0
+    count, cleared, margin = 0, 0, within_reach(step_s)
     for pair in range(shapes.first.size):
         if not touches.near[pair]:
             continue
         chain = rows.speed.size + pair
         for slot in range(shapes.slot[pair], shapes.slot[pair + 1]):
-            near = touches.gap[slot] < MARGIN_M
+            near = touches.gap[slot] < margin
             if not some(near):
                 continue
             _clear(cleared, slot, impulses)
@@ -400,11 +407,13 @@ def _acts(impulses: Vector) -> bool:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _solve_contact(at: int, rows: Rows, impulses: Impulses, work: Solving, near: Array) -> None:
+def _solve_contact(
+    at: int, rows: Rows, impulses: Impulses, work: Solving, gap: Array, margin: float
+) -> None:
     """Change the impulses in one slot, and the speeds by them."""
     slot, pair = work.used[at], work.pair_of[at]
     chain = rows.speed.size + pair
-    touching = near[slot] < MARGIN_M
+    touching = gap[slot] < margin
     row = 3 * slot
     old = impulses.contact[slot, 0]
     speed = _product(work.row, row, chain, rows, work.w)
@@ -429,12 +438,12 @@ def _solve_contact(at: int, rows: Rows, impulses: Impulses, work: Solving, near:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _are_loose(count: int, rows: Rows, work: Solving) -> bool:
-    """Return whether no contact in use changes a speed that a row of joints changes."""
+def _places_aside(count: int, rows: Rows, work: Solving) -> int:
+    """Return how many first places share no speed with contacts in use and later places."""
+    aside = rows.speed.size
     for at in range(count):
-        if not rows.loose[work.pair_of[at]]:
-            return False
-    return True
+        aside = min(aside, rows.aside[work.pair_of[at]])
+    return aside
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -483,14 +492,17 @@ def apply_impulses(
     _begin(count, v, constraints, frames, work)
     # Joints before contacts; side by side where they share no speed, since a processor has idle
     # units while one operation waits for another.
-    places = rows.speed.size
-    behind = 0 if _are_loose(count, rows, work) else places
+    places, margin = rows.speed.size, within_reach(timing.step_s)
+    aside = _places_aside(count, rows, work)
     for _ in range(timing.iterations):
-        for k in range(max(places, behind + count)):
-            if k < places:
+        for k in range(max(aside, places - aside + count)):
+            if k < aside:
                 _solve_place(k, rows, impulses, work)
-            if behind <= k < behind + count:
-                _solve_contact(k - behind, rows, impulses, work, touches.gap)
+            other = k + aside
+            if other < places:
+                _solve_place(other, rows, impulses, work)
+            elif other < places + count:
+                _solve_contact(other - places, rows, impulses, work, touches.gap, margin)
     above = structure.above
     for i in range(above.size):
         value = work.w[i] * frames.inverse_scale[i]
