@@ -539,3 +539,68 @@ def test_a_lever_between_jaws_is_turned_by_them() -> None:
 
     assert abs(turning.state.q[1]) > 0.5 * pi
     assert abs(stalled.state.q[1]) < 1e-3
+
+
+def _lever_on_a_box_beside_an_arm() -> Mechanism:
+    """An arm with two joints at sea, and a box with a stiff lever on the bottom."""
+    own, shape = box("box", 15.0, WEIGHT_N)
+    joint = {"joint": "revolute", "axis": (0.0, 1.0, 0.0), "rigid": solid(1.0, (0.1, 0.1, 0.1))}
+    upper = Link(name="upper", offset=(0.0, 0.0, 5.0), **joint)
+    lower = Link(name="lower", parent="upper", offset=(0.3, 0.0, 0.0), **joint)
+    lever = Link(name="lever", parent="box", **joint)
+    tip = Shape(name="tip", kind="capsule", link="lower", size=(0.05, 0.0, 0.0))
+    return Mechanism(
+        links=[upper, lower, own, lever],
+        motors=[Motor(link="upper", effort=9.0)],
+        # The lever's place is made before that of the coupling.
+        frictions=[Friction(link="lever", resting=0.3, sliding=0.25)],
+        couplings=[Coupling(link="lower", other="upper", ratio=-1.0)],
+        shapes=[ground(), shape, tip],
+        pairs=[("box", "ground"), ("tip", "box")],
+    )
+
+
+def test_joints_beside_a_contact_that_they_do_not_feel_give_the_bits_of_joints_before_it() -> None:
+    beside, before = (Scene(_lever_on_a_box_beside_an_arm()) for _ in range(2))
+    before.model.rows.aside[:] = 0
+    for scene in (beside, before):
+        scene.state.q[4] = GROUND.depth - 0.5 * SIZE[2]
+        scene.state.v[:] = 0.1
+        scene.command.speed[:] = 0.4
+        scene.run(500)
+
+    # Two places of the arm share no speed with the box on the ground and the lever on the box.
+    assert beside.model.rows.aside.tolist() == [2, 0]
+    assert beside.work.solving.in_use[0] > 0
+    assert beside.state.q.tobytes() == before.state.q.tobytes()
+    assert beside.state.v.tobytes() == before.state.v.tobytes()
+
+
+@pytest.mark.parametrize(("gap", "rows"), [(0.0029, 8), (0.0031, 0)])
+def test_what_could_not_touch_within_a_step_at_one_and_a_half_metres_a_second_has_no_rows(
+    gap: float, rows: int
+) -> None:
+    link, shape = box("box", 15.0, 0.0)
+    pile = Mechanism(links=[link], shapes=[ground(), shape], pairs=[("box", "ground")])
+    scene = Scene(pile)
+    scene.state.q[2] = GROUND.depth - 0.5 * SIZE[2] - gap
+
+    scene.run(1)
+
+    assert scene.work.solving.in_use[0] == rows // 2
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.4, 3.0])
+def test_what_falls_fast_is_stopped_by_the_bottom(speed: float) -> None:
+    scene = box_on_the_bottom()
+    rest = scene.state.q[2]
+    scene.state.q[2] -= 0.05
+    scene.state.v[2] = speed
+
+    depths = []
+    for _ in range(100):
+        scene.run(1)
+        depths.append(scene.state.q[2])
+
+    # Beyond 1.5 m/s it may sink in by what it moves further in one step, 2 ms.
+    assert max(depths) - rest < 0.001 + max(0.0, speed - 1.5) * STEP_S

@@ -182,8 +182,14 @@ def as_command(answer: Any) -> Sequence[float]:
             small = -most <= a <= most and -most <= b <= most
             if small and -most <= c <= most and -most <= d <= most:
                 return four + rest  # the usual case, and the fast one
+    elif all(map(_is_usual, values, LIMITS)):
+        return tuple(map(float, values))
     numbers = tuple(as_number(index, value) for index, value in enumerate(values))
     return numbers if len(numbers) > VEHICLE else numbers + rest
+
+
+def _is_usual(value: Any, most: float) -> bool:
+    return type(value) in FLOATS and -most <= value <= most
 
 
 def as_list(answer: Any) -> list[Any]:
