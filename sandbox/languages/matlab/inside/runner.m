@@ -4,7 +4,8 @@
 
 function seamark_serve(relay)
     addpath("/tmp/program");  % takes milliseconds: before anybody waits for an answer
-    [to, from] = popen2(relay{1}, relay(2:end));
+    [into, from, process] = popen2(relay{1}, relay(2:end));
+    to = [into, process];
     fcntl(from, F_SETFL, 0);  % popen2 makes it non-blocking
     text = fread(from, fread(from, 1, "double"), "char=>char")';
     eval(text);  % filename, main_file, role, floats, config, observe, cameras and sizes
@@ -30,8 +31,8 @@ function seamark_serve(relay)
             stage = [role, "_setup"];
             state = feval(stage, config);
         end
-        fwrite(to, [double("k"), 0, 0, 0, 0], "double");
-        fflush(to);
+        fwrite(to(1), [double("k"), 0, 0, 0, 0], "double");
+        fflush(to(1));
         while true
             data = fread(from, floats + 1, "double");
             if numel(data) != floats + 1
@@ -57,7 +58,7 @@ function seamark_serve(relay)
                 if ! (isnumeric(command) && isreal(command) && numel(command) == numel(limits) && all(abs(command(:)') <= limits))
                     seamark_refuse(to, command, data(2), limits);
                 end
-                fwrite(to, [99; double(full(command(:)))], "double");
+                fwrite(to(1), [99; double(full(command(:)))], "double");
             elseif data(1) == 85  % U
                 stage = "tracker_update";
                 if with_state
@@ -66,11 +67,11 @@ function seamark_serve(relay)
                     corners = tracker_update(state, seamark_image(from, data));
                 end
                 numbers = seamark_track(to, corners);
-                fwrite(to, [116; numel(numbers); 0; 0; 0; numbers], "double");
+                fwrite(to(1), [116; numel(numbers); 0; 0; 0; numbers], "double");
             elseif data(1) == 84  % T
                 stage = "tracker_start";
                 state = tracker_start(state, seamark_image(from, data), reshape(data(5:12), 2, 4)');
-                fwrite(to, [double("k"), 0, 0, 0, 0], "double");
+                fwrite(to(1), [double("k"), 0, 0, 0, 0], "double");
             elseif data(1) == 68  % D
                 stage = "detector_detect";
                 if with_state
@@ -79,23 +80,23 @@ function seamark_serve(relay)
                     found = detector_detect(state, seamark_image(from, data));
                 end
                 numbers = seamark_detections(to, found);
-                fwrite(to, [100; numel(numbers); 0; 0; 0; numbers], "double");
+                fwrite(to(1), [100; numel(numbers); 0; 0; 0; numbers], "double");
             elseif data(1) == 82  % R
                 stage = [role, "_reset"];
                 eval(fread(from, data(2), "char=>char")');
                 if exist(stage) == 103
                     state = feval(stage, state, level);
                 end
-                fwrite(to, [double("k"), 0, 0, 0, 0], "double");
+                fwrite(to(1), [double("k"), 0, 0, 0, 0], "double");
             else
                 fflush(stdout);
                 fflush(stderr);
-                fwrite(to, [double("q"), 0, 0, 0, 0], "double");
-                fflush(to);
+                fwrite(to(1), [double("q"), 0, 0, 0, 0], "double");
+                fflush(to(1));
                 exit(0);
             end
             fflush(stdout);
-            fflush(to);
+            fflush(to(1));
         end
     catch err
         seamark_report(to, err, {filename, main_file}, stage, role);
@@ -188,10 +189,11 @@ function seamark_fail(to, letter, sentence, text)
     sentence = uint8(sentence);
     text = uint8(text(1:min(end, 16000)));
     fflush(stdout);
-    fwrite(to, [double("x"), double(letter), numel(sentence), numel(text), 0], "double");
-    fwrite(to, sentence, "uint8");
-    fwrite(to, text, "uint8");
-    fflush(to);
+    fwrite(to(1), [double("x"), double(letter), numel(sentence), numel(text), 0], "double");
+    fwrite(to(1), sentence, "uint8");
+    fwrite(to(1), text, "uint8");
+    fflush(to(1));
+    waitpid(to(2));  % the box ends with this process: not before the relay has handed the answer on
     exit(1);
 end
 

@@ -1,7 +1,9 @@
 """MATLAB programs: their inputs arrive unchanged, in one file or in several."""
 
 import json
+import shutil
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages.matlab import host
 from seamark.sandbox.languages.matlab.inside.relay import octave_value
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
@@ -124,3 +127,43 @@ def test_a_program_may_keep_its_state_itself_and_return_a_column(octave) -> None
     )
 
     assert ended(program, octave).sentence == "The program ended well."
+
+
+@pytest.fixture
+def slow_relay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, octave: IsolationLevel
+) -> Iterator[IsolationLevel]:
+    """Let the relay hand on a failure half a second late, as on a machine that is busy."""
+    inside = tmp_path / "matlab" / "inside"
+    shutil.copytree(host.INSIDE, inside)
+    relay = inside / "relay.py"
+    line = "elif letter == FAILED:\n"
+    late = line + '        __import__("time").sleep(0.5)\n'
+    assert line in relay.read_text()
+    relay.write_text(relay.read_text().replace(line, late))
+    monkeypatch.setattr(host, "INSIDE", inside)
+    host.octave_runtime.cache_clear()
+    yield octave
+    host.octave_runtime.cache_clear()
+
+
+@pytest.mark.host
+@pytest.mark.parametrize(
+    ("program", "says"),
+    [
+        ("function [c, s] = controller_step(s, o)\n    c = (3;\nend\n", "line 2: syntax error"),
+        (STEP % 'error("too deep")', "too deep"),
+        (STEP % "command = 7;", "controller_step returned"),
+    ],
+)
+def test_octave_waits_until_its_failure_is_handed_on(
+    program: str, says: str, slow_relay: IsolationLevel
+) -> None:
+    assert says in ended(program.encode(), slow_relay).sentence
+
+
+@pytest.mark.host
+def test_a_program_whose_relay_is_gone_ends(octave: IsolationLevel) -> None:
+    kill = STEP % 'system("pkill -9 python; kill -9 -1"); error("none hears it")'
+
+    assert ended(kill.encode(), octave).verdict != "ok"
