@@ -6,7 +6,7 @@ import socket
 from pathlib import Path
 
 FIRST = 20_000
-# Connections take their own ends from here on: one of them could have a port before its server does.
+# Connections take their own ends from here on: one could have a port before its server does.
 _OF_CONNECTIONS = Path("/proc/sys/net/ipv4/ip_local_port_range")
 
 
