@@ -22,6 +22,7 @@ const playhead = new Playhead({ duration: data.trial_s, loop: true });
 const rows = new Rows(data.api, rowColumns(data.columns));
 const scene = new SceneBox(root, data, FORGETFUL);
 let seen = false;
+let asked = false; // to play or to pause
 let frame = 0; // that is asked for
 /** @type {number | null} */
 let before = null;
@@ -60,8 +61,19 @@ function begin() {
   });
   rows.onRows = show;
   button.hidden = false;
-  button.addEventListener("click", () => playhead.toggle());
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) playhead.play();
+  button.addEventListener("click", () => {
+    asked = true;
+    playhead.toggle();
+  });
+  show();
+  playUnasked();
+}
+
+// Not where the processor draws: what nobody has asked for would keep more than a core busy.
+async function playUnasked() {
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+  await scene.loading;
+  if (!scene.software && !asked) playhead.play();
 }
 
 new IntersectionObserver((entries) => {

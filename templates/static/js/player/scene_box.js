@@ -31,6 +31,7 @@ export class SceneBox {
     this.sceneKey = this.waterKey = this.solid = "";
     /** @type {SceneView | null} */
     this.view = null;
+    this.software = false; // whether pictures are drawn by the processor
     /** @type {(canvas: HTMLCanvasElement) => void} */
     this.onDraw = () => {};
     /** @type {[{trial: number, t: number}, Between, () => Row[], (Shown | null)[]] | null} */
@@ -83,7 +84,8 @@ export class SceneBox {
   async load() {
     const scene = await import("./scene/view.js").catch(() => null);
     const { canDraw, software } = scene?.graphics() ?? { canDraw: false, software: false };
-    document.documentElement.classList.toggle("software-rendering", Boolean(software));
+    this.software = software;
+    document.documentElement.classList.toggle("software-rendering", software);
     let view = null;
     if (scene && canDraw) {
       try {
