@@ -42,3 +42,29 @@ for (const cost of [30, 60, 120, 240]) {
     });
   }
 }
+
+for (const cost of [10, 60, 200, 900]) {
+  test(`pictures that are limited get no more pixels than at first, and fewer only if they are late: ${cost} ms`, () => {
+    const pace = new Pace(0.5, 80);
+    let now = 0;
+    while (now < 60_000) {
+      now += Math.max(80, cost * pace.scale ** 2);
+      pace.drawn(now, true);
+    }
+
+    assert.equal(pace.scale === 0.5, cost * 0.5 ** 2 < 120);
+    assert.ok(pace.scale <= 0.5);
+  });
+}
+
+test("limited pictures that were late for a while get their pixels back", () => {
+  const pace = new Pace(0.5, 80);
+  let now = 0;
+  const scaleAfter = (/** @type {number} */ pictures, /** @type {number} */ interval) => {
+    for (const end = now + pictures * interval; now < end; now += interval) pace.drawn(now, true);
+    return pace.scale;
+  };
+
+  assert.ok(scaleAfter(50, 400) < 0.4);
+  assert.equal(scaleAfter(200, 82), 0.5);
+});

@@ -23,7 +23,9 @@ import { Work } from "./work.js";
 
 const LABELLED_N = 1; // of an arrow that has its newtons beside it
 const REST_MS = 500; // without a new picture until the last one is drawn with all pixels
-const SCALE_OF_SOFTWARE = 0.5; // at first, without a graphics card
+// Without a graphics card: pictures of what moves by itself take a core or two if nothing limits them.
+const SCALE_OF_SOFTWARE = 0.5;
+const EVERY_MS = 80;
 const SCALE_OF_SHADOW = 0.4; // more than this to draw one while the scene moves
 const PIXELS_MAX = 2; // per CSS pixel
 /** @type {Triple} */
@@ -97,7 +99,11 @@ export class SceneView {
     this.stale = false; // was to be drawn, but nobody watches
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.rest = undefined;
-    this.pace = new Pace(software ? SCALE_OF_SOFTWARE : 1);
+    this.every = software ? EVERY_MS : 0;
+    this.drawnAt = 0; // [ms]
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.waiting = undefined;
+    this.pace = software ? new Pace(SCALE_OF_SOFTWARE, EVERY_MS) : new Pace(1);
     this.moved = this.sharp = false;
     this.renderer.debug.checkShaderErrors = false; // asking for them waits for the compilation
     new ResizeObserver(() => this.resize()).observe(box);
@@ -193,7 +199,7 @@ export class SceneView {
     if (moments[0]) this.showAround(vehicle, description, moments[0].row, moved);
     const shown = this.actors.filter(({ group }) => group.visible);
     if (this.cameras.mode === "all") this.cameras.frame(shown.map((actor) => actor.vehicle.group.position));
-    this.request();
+    this.requestInTime();
   }
 
   /**
@@ -258,7 +264,16 @@ export class SceneView {
     this.stale = !this.watched;
     if (this.requested || this.stale) return;
     this.requested = true;
+    clearTimeout(this.waiting);
+    this.waiting = undefined;
     requestAnimationFrame((now) => this.draw(now));
+  }
+
+  // A picture at once, unless it is the next one of what moves by itself.
+  requestInTime() {
+    const wait = this.moved ? this.drawnAt + this.every - performance.now() : 0;
+    if (wait <= 0) this.request();
+    else if (this.waiting === undefined) this.waiting = setTimeout(() => this.request(), wait);
   }
 
   /** @param {number} now */
@@ -271,6 +286,7 @@ export class SceneView {
     // Rather pixels than a shadow.
     if (this.shadow) this.shadow.mesh.visible = this.sharp || this.pace.scale > SCALE_OF_SHADOW;
     this.renderer.render(this.scene, camera);
+    this.drawnAt = now;
     this.point(vehicle, camera);
     this.label(vehicle, camera);
     this.onDraw(this);
