@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.multibody.contacts import MARGIN_M, Shapes, Touches
-from seamark.sim.multibody.tree import FREE, PRISMATIC, Frames, Structure
+from seamark.sim.multibody.tree import FREE, PRISMATIC, WORLD, Frames, Structure
 from seamark.sim.multibody.vectors import (
     Vector,
     across,
@@ -121,7 +121,9 @@ STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
 # those of a piston across its bore, and a force there would mean nothing.
 IMMOVABLE = 1e-9
 RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
-APPROACH_M_S = 1.5  # E: shapes that are too far for it to touch within a step get no rows
+# E: by so much do shapes approach each other faster than their links have moved before, turns and
+# impulses of a step included. What cannot touch by the end of the step gets no rows.
+SUDDEN_M_S = 1.0
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -212,12 +214,6 @@ def _prepare_joints(
 
 
 @uncounted
-def within_reach(step_s: float) -> float:
-    """Return the gap [m] above which shapes cannot touch by the end of a step."""
-    return min(MARGIN_M, APPROACH_M_S * step_s)
-
-
-@uncounted
 def soft_row(stiffness: float, step_s: float) -> tuple[float, float]:
     """Return the share of an error that a spring takes back in a step, and its compliance.
 
@@ -274,15 +270,17 @@ def _prepare_contacts(
 ) -> int:
     """Write the rows of all slots in use; return how many those are."""
     shapes, rows, impulses = constraints.shapes, constraints.rows, constraints.impulses
-    count, cleared, margin = 0, 0, within_reach(step_s)
+    count, cleared = 0, 0
     for pair in range(shapes.first.size):
         if not touches.near[pair]:
             continue
         chain = rows.speed.size + pair
+        margin = _within_reach(pair, shapes, step_s, frames)
         for slot in range(shapes.slot[pair], shapes.slot[pair + 1]):
             near = touches.gap[slot] < margin
             if not some(near):
                 continue
+            touches.gap[slot] = select(near, touches.gap[slot], 2.0 * MARGIN_M)
             _clear(cleared, slot, impulses)
             cleared = slot + 1
             for a in range(3):
@@ -315,6 +313,18 @@ def _prepare_contacts(
     _clear(cleared, shapes.slot[shapes.first.size], impulses)
     work.in_use[0] = count
     return count
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _within_reach(pair: int, shapes: Shapes, step_s: float, frames: Frames) -> float:
+    """Return the gap [m] above which a pair cannot touch by the end of a step."""
+    speed = like(frames.twist[0, 0], SUDDEN_M_S)
+    for shape in (shapes.first[pair], shapes.second[pair]):
+        link = shapes.link[shape]
+        if link != WORLD:
+            moving = three(frames.twist, link, 0)
+            speed += sqrt(dot(moving, moving))
+    return smaller(step_s * speed, like(speed, MARGIN_M))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -407,13 +417,11 @@ def _acts(impulses: Vector) -> bool:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _solve_contact(
-    at: int, rows: Rows, impulses: Impulses, work: Solving, gap: Array, margin: float
-) -> None:
+def _solve_contact(at: int, rows: Rows, impulses: Impulses, work: Solving, gap: Array) -> None:
     """Change the impulses in one slot, and the speeds by them."""
     slot, pair = work.used[at], work.pair_of[at]
     chain = rows.speed.size + pair
-    touching = gap[slot] < margin
+    touching = gap[slot] < MARGIN_M
     row = 3 * slot
     old = impulses.contact[slot, 0]
     speed = _product(work.row, row, chain, rows, work.w)
@@ -492,7 +500,7 @@ def apply_impulses(
     _begin(count, v, constraints, frames, work)
     # Joints before contacts; side by side where they share no speed, since a processor has idle
     # units while one operation waits for another.
-    places, margin = rows.speed.size, within_reach(timing.step_s)
+    places = rows.speed.size
     aside = _places_aside(count, rows, work)
     for _ in range(timing.iterations):
         for k in range(max(aside, places - aside + count)):
@@ -502,7 +510,7 @@ def apply_impulses(
             if other < places:
                 _solve_place(other, rows, impulses, work)
             elif other < places + count:
-                _solve_contact(other - places, rows, impulses, work, touches.gap, margin)
+                _solve_contact(other - places, rows, impulses, work, touches.gap)
     above = structure.above
     for i in range(above.size):
         value = work.w[i] * frames.inverse_scale[i]

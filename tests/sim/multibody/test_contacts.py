@@ -576,22 +576,26 @@ def test_joints_beside_a_contact_that_they_do_not_feel_give_the_bits_of_joints_b
     assert beside.state.v.tobytes() == before.state.v.tobytes()
 
 
-@pytest.mark.parametrize(("gap", "rows"), [(0.0029, 8), (0.0031, 0)])
-def test_what_could_not_touch_within_a_step_at_one_and_a_half_metres_a_second_has_no_rows(
-    gap: float, rows: int
+@pytest.mark.parametrize(
+    ("speed", "gap", "corners"),
+    [(0.0, 0.0019, 4), (0.0, 0.0021, 0), (3.0, 0.0079, 4), (3.0, 0.0081, 0), (9.0, 0.0099, 4)],
+)
+def test_what_could_not_touch_within_a_step_has_no_rows(
+    speed: float, gap: float, corners: int
 ) -> None:
     link, shape = box("box", 15.0, 0.0)
     pile = Mechanism(links=[link], shapes=[ground(), shape], pairs=[("box", "ground")])
     scene = Scene(pile)
     scene.state.q[2] = GROUND.depth - 0.5 * SIZE[2] - gap
+    scene.state.v[2] = speed
 
     scene.run(1)
 
-    assert scene.work.solving.in_use[0] == rows // 2
+    assert scene.work.solving.in_use[0] == corners
 
 
-@pytest.mark.parametrize("speed", [0.5, 1.4, 3.0])
-def test_what_falls_fast_is_stopped_by_the_bottom(speed: float) -> None:
+@pytest.mark.parametrize("speed", [0.5, 2.0, 4.0])
+def test_what_falls_fast_does_not_sink_into_the_bottom(speed: float) -> None:
     scene = box_on_the_bottom()
     rest = scene.state.q[2]
     scene.state.q[2] -= 0.05
@@ -602,5 +606,4 @@ def test_what_falls_fast_is_stopped_by_the_bottom(speed: float) -> None:
         scene.run(1)
         depths.append(scene.state.q[2])
 
-    # Beyond 1.5 m/s it may sink in by what it moves further in one step, 2 ms.
-    assert max(depths) - rest < 0.001 + max(0.0, speed - 1.5) * STEP_S
+    assert max(depths) - rest < 1e-4
