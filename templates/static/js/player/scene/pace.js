@@ -21,7 +21,7 @@ export class Pace {
     this.scale = scale;
     this.most = every ? scale : 1;
     this.slow = Math.max(SLOW_MS, SLACK * every); // longer between two pictures: fewer pixels
-    this.fast = every ? (1 + SLACK) * 0.5 * every : FAST_MS;
+    this.fast = every ? (1 + SLACK) * 0.5 * every : FAST_MS; // shorter: more
     this.at = 0; // of the last picture [ms]
     this.mean = every || 30; // between two pictures [ms]
     this.count = 0; // of pictures since the last change
