@@ -121,8 +121,8 @@ STICTION_SPEED = 1e-3  # [rad/s or m/s] E: below it friction at rest counts
 # those of a piston across its bore, and a force there would mean nothing.
 IMMOVABLE = 1e-9
 RELAXATION_S = 0.005  # E: damper over spring of contacts, limits and couplings
-# E: by so much do shapes approach each other faster than their links have moved before, turns and
-# impulses of a step included. What cannot touch by the end of the step gets no rows.
+# E: by so much do shapes approach each other faster than their links have moved through the water:
+# the current, turns and impulses of a step. What cannot touch by the end of a step gets no rows.
 SUDDEN_M_S = 1.0
 
 
