@@ -72,7 +72,7 @@ function begin() {
 // Not where the processor draws: what nobody has asked for would keep more than a core busy.
 async function playUnasked() {
   if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
-  await scene.loading;
+  await scene.loaded;
   if (!scene.software && !asked) playhead.play();
 }
 

@@ -58,13 +58,16 @@ export class SceneBox {
       button.addEventListener("click", () => this.move(button.dataset.move));
     }
     this.inSight = this.recorded = false;
-    /** @type {Promise<void> | null} */
-    this.loading = null;
-    new IntersectionObserver((entries) => {
-      this.inSight = entries[entries.length - 1].isIntersecting;
-      if (this.inSight) this.loading ??= this.load();
-      this.watch();
-    }).observe(box);
+    // Loading begins when the box comes into sight. A promise from the start, since other observers
+    // of the box may be called before the one below.
+    /** @type {Promise<void>} */
+    this.loaded = new Promise((/** @type {(value?: unknown) => void} */ done) => {
+      new IntersectionObserver((entries) => {
+        this.inSight = entries[entries.length - 1].isIntersecting;
+        if (this.inSight) done();
+        this.watch();
+      }).observe(box);
+    }).then(() => this.load());
   }
 
   watch() {
