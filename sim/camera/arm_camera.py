@@ -69,6 +69,8 @@ class ArmCamera(Camera):
         assembly = assemble(vehicle, [mounting, *things], bottom=False)
         links = [link.name for link in assembly.mechanism.links]
         self._posture = Posture(assembly, None if workpiece is None else workpiece.link)
+        self._numbers = b""  # of the pose that the links are at
+        self._links: Placed
         self._face = None if workpiece is None else _Face(workpiece, links)
         hull = len(vehicle.drawn())  # which the vehicle's camera has behind it
         standing = target if workpiece is None else None
@@ -120,7 +122,11 @@ class ArmCamera(Camera):
         return super().corners(pose)
 
     def _placed(self, pose: Array) -> Placed:
-        return Placed(*self._posture.place(pose))
+        # Both cameras and the target ask for the same pose in one control step.
+        numbers = pose.tobytes()
+        if numbers != self._numbers:
+            self._links, self._numbers = Placed(*self._posture.place(pose)), numbers
+        return self._links
 
     def _draw(
         self, pose: Array, frame: int, window: Window, number: int, out: NDArray[np.uint8]

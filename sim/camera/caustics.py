@@ -6,6 +6,7 @@ does not follow the depth: on average the coefficient of variation is four times
 as at 25 m (Hieronymi & Macke 2010).
 """
 
+from functools import lru_cache
 from math import sqrt
 
 import numpy as np
@@ -53,6 +54,7 @@ def caustic_gain(
     return float(exp(amplitude * total) / mean)
 
 
+@lru_cache(maxsize=16)
 def wave_amplitude(variation: float) -> tuple[float, float]:
     """Return each wave's amplitude for a coefficient of variation, and the mean of the light.
 
