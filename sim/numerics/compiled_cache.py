@@ -23,6 +23,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
+from seamark.sim.numerics import late_bitcode
 from seamark.sim.numerics.numba_internals import SOURCES, numba_folder
 
 ROOT = SOURCES.parent
@@ -55,7 +56,7 @@ class SourceStampLocator:
         path = _own(file)
         if path is None:
             return None
-        _load_numba_without_blas()
+        _prepare_numba()
         locator = cls(path, function.__code__.co_firstlineno)
         _use(locator._folder)
         return locator
@@ -91,6 +92,11 @@ def _own(file: str) -> Path | None:
 
 
 @functools.cache  # before the first function is loaded
+def _prepare_numba() -> None:
+    late_bitcode.install()
+    _load_numba_without_blas()
+
+
 def _load_numba_without_blas() -> None:
     """Have Numba load its functions of arrays without SciPy's linear algebra.
 

@@ -10,6 +10,8 @@ Cache of compiled code (`compiled_cache.py`)
     they go on using stale code. With another version of Numba its own locators are used, in a
     folder named after all sources of the simulator: every change compiles everything, but stale
     code is never used.
+Loading without LLVM code (`late_bitcode.py`)
+    How a library is made of what the cache holds, and that its machine code is an ELF file.
 Calls without a search for types (`compilation.py`)
     `Dispatcher.compile` returns what can be called: the code for the given types.
 Functions without reference counts (`uncounted.py`)

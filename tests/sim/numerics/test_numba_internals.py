@@ -10,6 +10,7 @@ import pytest
 from numba.core.caching import _CacheLocator
 
 from seamark.sim.numerics.compiled_cache import START_INTERNALS, SourceStampLocator
+from seamark.sim.numerics.late_bitcode import BITCODE_INTERNALS
 from seamark.sim.numerics.numba_internals import (
     CACHE_INTERNALS,
     CALL_INTERNALS,
@@ -39,7 +40,8 @@ print(numba.njit(lambda a, b: a @ b)(np.eye(2), np.ones(2)).tolist())
 
 
 @pytest.mark.parametrize(
-    "internal", CACHE_INTERNALS + CALL_INTERNALS + SIMD_INTERNALS + START_INTERNALS
+    "internal",
+    CACHE_INTERNALS + CALL_INTERNALS + SIMD_INTERNALS + START_INTERNALS + BITCODE_INTERNALS,
 )
 def test_the_installed_numba_has_every_internal_that_the_simulator_uses(internal: str) -> None:
     assert not missing([internal]), f"Numba {numba.__version__} no longer has {internal}"
