@@ -28,6 +28,7 @@ CHROMIUM = (
     or shutil.which("chromium-browser")
 )
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
+TRACKING = {"level_duration_s": 2.0, "turbidity_levels": [0.0, 7.0], "motion_levels": [2.0, 8.0]}
 PAGE_MS = 30_000  # most that a page takes to change on a loaded machine; Playwright's own is 5 s
 expect.set_options(timeout=PAGE_MS)
 # WebGL without a graphics card.

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, FilePayload, Page, expect
 
+from tests.journey.conftest import TRACKING
 from tests.journey.service import Service
 from tests.journey.visitor import RUN_MS, Visitor
 
@@ -15,7 +16,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 SCREEN_PX = 900
 LONG = {"levels": [0.0, 0.1, 0.2, 0.3], "level_duration_s": 600}
-TRACKING = {"level_duration_s": 2.0, "turbidity_levels": [0.0, 7.0], "motion_levels": [2.0, 8.0]}
 BROKEN = """
 class Controller:
     def __init__(self, config):
