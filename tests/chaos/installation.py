@@ -22,6 +22,7 @@ from seamark.server.settings import Settings
 from tests.services import faulty_s3, postgres, s3
 from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
+from tests.services.without_tls import WITHOUT_TLS
 from tests.worker.conftest import Service, service_with, wait_until
 from tests.worker.processes import command_line
 
@@ -195,7 +196,8 @@ def _reaped(pid: int) -> bool:
 
 def _serves(port: int) -> bool:
     try:
-        return httpx.get(f"http://127.0.0.1:{port}/healthz").is_success
+        address = f"http://127.0.0.1:{port}/healthz"
+        return httpx.get(address, verify=WITHOUT_TLS).is_success
     except httpx.TransportError:
         return False
 

@@ -35,6 +35,7 @@ from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
 from tests.services.faulty_s3 import Behaviour
+from tests.services.without_tls import WITHOUT_TLS
 from tests.worker.conftest import wait_until
 
 REFUSED_S = 120.0  # until a worker that must not start has ended
@@ -279,7 +280,12 @@ def _slowest_answer(service: Service, run_id: int, seconds: float) -> float:
             for path in (f"/api/v1/runs/{run_id}", f"/api/v1/runs/{run_id}/log", "/readyz"):
                 asked_at = time.monotonic()
                 headers = {"Authorization": f"Bearer {service.tokens[0]}"}
-                httpx.get(client.server + path, headers=headers, timeout=START_S)
+                httpx.get(
+                    client.server + path,
+                    headers=headers,
+                    timeout=START_S,
+                    verify=WITHOUT_TLS,
+                )
                 slowest_s = max(slowest_s, time.monotonic() - asked_at)
         time.sleep(0.5)
     return slowest_s
@@ -315,7 +321,7 @@ def _start_web(session: Session, name: str) -> None:
 
 def _is_up(address: str) -> bool:
     try:
-        return httpx.get(f"http://{address}:8000/healthz").is_success
+        return httpx.get(f"http://{address}:8000/healthz", verify=WITHOUT_TLS).is_success
     except httpx.TransportError:
         return False
 

@@ -16,6 +16,7 @@ from seamark.server.database.engine import Database
 from tests.journey.conftest import SHORT
 from tests.journey.service import Service
 from tests.services import promql
+from tests.services.without_tls import WITHOUT_TLS
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -109,7 +110,7 @@ def scraped(service: Service, run: Followed) -> str:
     text, deadline = "", time.monotonic() + 120.0
     while "seamark_maintenance_failures_total{" not in text:
         assert time.monotonic() < deadline
-        text = httpx.get(f"{service.url}/metrics").text
+        text = httpx.get(f"{service.url}/metrics", verify=WITHOUT_TLS).text
         time.sleep(0.2)  # nothing is announced
     return text
 
