@@ -1,10 +1,12 @@
 """Plugging a connector: stages, and what an attempt costs.
 
-The connector starts with its tip on the face of a level panel, whose receptacle is at the world's
-origin: so its rows tell how deep the tip is. It is held while the arm bears on it from two sides,
-its handle is in the hand, and nothing of the vehicle's hull touches it. Up to the half, depth
-counts as far as it was gained while the connector was held; what comes out again counts always. So
-one that is dropped or thrown, or pressed down from above, gives nothing.
+The connector starts with its tip on the face of a panel and its axis across that, and the mouth of
+the receptacle is on the face, too, on the vertical through the world's origin. So the first row
+tells the axis of the bore, however the panel is tilted, and the others how deep the tip is along
+it. It is held while the arm bears on it from two sides, its handle is in the hand, and nothing of
+the vehicle's hull touches it. Up to the half, depth counts as far as it was gained while the
+connector was held; what comes out again counts always. So one that is dropped or thrown, or pressed
+down from above, gives nothing.
 """
 
 import numpy as np
@@ -71,9 +73,20 @@ class Connection(StagedAttempt):
         (sr, cr), (sp, cp), (sy, cy) = (
             sincos(self.column(f"workpiece_{angle}")) for angle in ("roll", "pitch", "yaw")
         )
-        north, east = x + TIP_M * (cr * sp * cy + sr * sy), y + TIP_M * (cr * sp * sy - sr * cy)
-        depth = z + TIP_M * cr * cp
-        return depth - depth[0], np.sqrt(north * north + east * east)
+        along = np.stack([cr * sp * cy + sr * sy, cr * sp * sy - sr * cy, cr * cp])
+        tip, (north, east, down) = np.stack([x, y, z]) + TIP_M * along, along[:, 0]
+        level, below = tip[0] * north + tip[1] * east, tip[2] - tip[2, 0]
+        depth = level - level[0] + down * below
+        # From the mouth, which is on the face where that crosses the vertical at the origin.
+        below_mouth = below - level[0] / down
+        across = np.stack(
+            [
+                east * below_mouth - down * tip[1],
+                down * tip[0] - north * below_mouth,
+                north * tip[1] - east * tip[0],
+            ]
+        )
+        return depth, np.sqrt((across * across).sum(axis=0))
 
     def _inserted(self) -> Array:
         """Return how deep the tip was brought into the receptacle by the hand, (k,) [m]."""

@@ -1,21 +1,24 @@
 """What stands on the seabed in connect-v1, and what is drawn of it for a trial."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from seamark.sim.benchmarks.connect_v1.settings import SHAPE, ConnectConfiguration
-from seamark.sim.benchmarks.intervention.things import as_high, as_rough, estimate
+from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, estimate
+from seamark.sim.benchmarks.intervention.tilt import Attitude, Tilt, tilt_of
 from seamark.sim.camera.target import Target
 from seamark.sim.metrics.connection import TIP_M
 from seamark.sim.multibody.assembly import Frame, Mounting
 from seamark.sim.multibody.workpiece import Workpiece
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.sim.vehicles.matrices import applied, multiplied
 from seamark.sim.vehicles.model import Place
 
 RECEPTACLE, CONNECTOR = "roof-receptacle", "connector"
@@ -38,6 +41,7 @@ class ConnectorDraw:
     mass_kg: float = 1.2
     clearance_m: float = 0.005  # of the diameters
     friction_factor: float = 1.0
+    tilt: Tilt = field(default_factory=Tilt)  # of the panel about the mouth of its hole
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain JSON values."""
@@ -49,6 +53,7 @@ def draw_connector(spread: ConnectConfiguration, random: Streams) -> ConnectorDr
     heading, height, parked, askew, mass, clearance, friction = random.trial_work.uniform(
         0.0, 1.0, 7
     ).tolist()
+    angle, axis = random.trial_work.random(2).tolist()
     least, most = spread.clearance_least_m, spread.clearance_most_m
     return ConnectorDraw(
         heading_rad=PI * (2.0 * heading - 1.0),
@@ -58,11 +63,12 @@ def draw_connector(spread: ConnectConfiguration, random: Streams) -> ConnectorDr
         mass_kg=LIGHTEST_KG + (HEAVIEST_KG - LIGHTEST_KG) * mass,
         clearance_m=least + (most - least) * clearance,
         friction_factor=1.0 + spread.friction_spread * (2.0 * friction - 1.0),
+        tilt=tilt_of(spread.tilt_spread_rad, (angle, axis)),
     )
 
 
 def target(drawn: ConnectorDraw) -> Target:
-    """Return the panel as the camera's target."""
+    """Return the camera's target without the tilt: the start is above its upper face."""
     return Target(
         length_m=SHAPE.length_m,
         width_m=SHAPE.width_m,
@@ -76,14 +82,15 @@ def workpiece(drawn: ConnectorDraw) -> Workpiece:
     """Return the connector in its parking place beside the receptacle."""
     panel = target(drawn)
     top, (right, down) = panel.top_centre(), panel.axes()
-    yaw = drawn.heading_rad + 0.5 * PI
+    tilt, yaw = drawn.tilt.matrix(), drawn.heading_rad + 0.5 * PI
+    face = multiplied(tilt, np.column_stack([right, down, [0.0, 0.0, 1.0]]))
     sine, cosine = sincos(yaw)
-    north, east, face = top.tolist()
-    x, y = drawn.parked_m * cosine, drawn.parked_m * sine
+    beside = (drawn.parked_m * cosine, drawn.parked_m * sine, -TIP_M)
+    parked = top + applied(tilt, beside)
     connector = _weighed(load_linkage(CONNECTOR), drawn)
     things = (
-        (_varied(load_linkage(RECEPTACLE), drawn), _place(north, east, face, yaw)),
-        (connector, _place(north + x, east + y, face - TIP_M, yaw + drawn.askew_rad)),
+        (_varied(load_linkage(RECEPTACLE), drawn), _place(top, drawn.tilt.attitude(yaw))),
+        (connector, _place(parked, drawn.tilt.attitude(yaw + drawn.askew_rad))),
     )
     return Workpiece(
         things=tuple(
@@ -92,7 +99,7 @@ def workpiece(drawn: ConnectorDraw) -> Workpiece:
         link=f"{_PREFIX}connector",
         shapes=tuple(f"{_PREFIX}{name}" for name in connector.shapes()),
         grip=(0.0, 0.0, 0.0),
-        face=Frame(None, top, np.column_stack([right, down, [0.0, 0.0, 1.0]])),
+        face=Frame(None, top, face),
         size_m=(SHAPE.length_m, SHAPE.width_m),
     )
 
@@ -110,7 +117,12 @@ def _weighed(connector: Linkage, drawn: ConnectorDraw) -> Linkage:
 def _varied(receptacle: Linkage, drawn: ConnectorDraw) -> Linkage:
     """Return the panel as high as a trial drew it, its hole as wide, its parking as far."""
     panel, hole, parking = receptacle.links
-    links = as_high(panel, drawn.height_m), _as_wide(hole, drawn), _as_far(parking, drawn.parked_m)
+    sunk = SUNK_M if drawn.tilt.angle_rad > 0.0 else 0.0  # under a level one there is no gap
+    links = (
+        as_high(panel, drawn.height_m + sunk),
+        _as_wide(hole, drawn),
+        _as_far(parking, drawn.parked_m),
+    )
     return replace(receptacle, links=tuple(as_rough(link, drawn.friction_factor) for link in links))
 
 
@@ -127,5 +139,5 @@ def _as_far(parking: LinkData, parked_m: float) -> LinkData:
     return replace(parking, joint=replace(parking.joint, place=there))
 
 
-def _place(north: float, east: float, down: float, yaw: float) -> Place:
-    return Place(point=estimate("place", north, east, down), turn=estimate("turn", 0.0, 0.0, yaw))
+def _place(point: Array, attitude: Attitude) -> Place:
+    return Place(point=estimate("place", *point.tolist()), turn=estimate("turn", *attitude))

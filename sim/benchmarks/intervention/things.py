@@ -5,6 +5,8 @@ from dataclasses import replace
 from seamark.sim.vehicles import Quantity
 from seamark.sim.vehicles.linkage import LinkData, Touchable
 
+SUNK_M = 0.1  # of a panel below the seabed, so that it has no gap there when it is tilted
+
 
 def estimate(meaning: str, *value: float) -> Quantity:
     """Return a quantity of the scene: an estimate, in SI units."""

@@ -32,6 +32,8 @@ class Tilt:
 
     def attitude(self, heading_rad: float) -> Attitude:
         """Return roll, pitch and yaw [rad] of axes with this heading after they were tilted."""
+        if self.angle_rad == 0.0:  # the heading as it is, to the last bit
+            return 0.0, 0.0, heading_rad
         sine, cosine = sincos(heading_rad)
         level = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]
         turn = multiplied(self.matrix(), level)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.sim.benchmarks.intervention.things import as_high, as_rough, estimate
+from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, estimate
 from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.valve_v1.settings import SHAPE, ValveConfiguration
 from seamark.sim.camera.target import Target
@@ -21,7 +21,6 @@ from seamark.sim.vehicles.model import Place
 
 VALVE = "roof-valve"
 LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
-SUNK_M = 0.1  # of the panel below the seabed, so that it has no gap there when it is tilted
 SLIDING = (0.6, 0.9)  # torque in motion, as a share of that to break away
 _PREFIX = "work: "
 

@@ -27,7 +27,7 @@ from seamark.sim.control.manipulation.kinematics import (
     rotation,
     times,
 )
-from seamark.sim.control.manipulation.sight import Pinhole, Seen, find
+from seamark.sim.control.manipulation.sight import Corners, Pinhole, Seen, find
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import PI, atan2, sincos
 from seamark.sim.vehicles import load
@@ -136,11 +136,18 @@ class Approach(ABC):
 
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
         """Learn where the handle is, until the work begins."""
-        if self.phase >= WORK or not observation.target_visible:
-            return
-        seen = find(observation.corners.tolist(), self.face_m, self.camera, tilt)
+        seen = self._seen(observation, tilt) if self.phase < WORK else None
         if seen is not None:
             self._learn(seen, yaw, observation)
+
+    def _seen(self, observation: Observation, tilt: Matrix) -> Seen | None:
+        """Return where the face is, if it is seen."""
+        if not observation.target_visible:
+            return None
+        return self._find(observation.corners.tolist(), tilt)
+
+    def _find(self, corners: Corners, tilt: Matrix) -> Seen | None:
+        return find(corners, self.face_m, self.camera, tilt)
 
     def _learn(self, seen: Seen, yaw: float, observation: Observation) -> None:
         north, east = turned(seen.centre, yaw)

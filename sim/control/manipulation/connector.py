@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 from seamark.sim.control.manipulation.approach import (
     BELIEVED_M,
+    FALL,
     LOW_M,
     WORK,
     ArmCompensates,
@@ -25,12 +26,14 @@ from seamark.sim.control.manipulation.kinematics import (
     ArmKinematics,
     Matrix,
     column,
+    length,
     minus,
+    plus,
     product,
     rotation,
     times,
 )
-from seamark.sim.control.manipulation.sight import find
+from seamark.sim.control.manipulation.sight import Corners, Seen, find_tilted
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.vehicles import load
@@ -38,6 +41,7 @@ from seamark.sim.vehicles.linkage_reading import load_linkage
 
 TIP_M = 0.19  # below the middle of the handle
 PARKED_M = 0.2  # along the letters from the receptacle
+LEAST_SHARE = 0.01  # of a look in what is known of the panel's tilt
 CLOSE_S, OPEN_S = 2.5, 2.0
 EMPTY_RAD = -0.03  # of a jaw that has closed farther than a handle lets it
 RISE_M_S, LOWER_M_S, INSERT_M_S = 0.06, 0.06, 0.02
@@ -90,8 +94,9 @@ class PlugConnector(Steady):
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Forget everything."""
         super().reset(level)
-        self.goal = PARKED_M  # [m] of the hand along the letters from the receptacle
-        self.beside = (0.0, 0.0)  # [m] north and east of that, in search
+        self.into = (0.0, 0.0, 1.0)  # direction of the bore: north, east, down
+        self.looks = 0  # from which that is known
+        self.beside = (0.0, 0.0)  # [m] of the goal, north and east, in search
         self.held_at = (0.0, 0.0)  # [m] north and east of the hand from the connector
         self.tries, self.lifted = 0, False  # in search, and on the way to the next place
         self.stood = False  # on something
@@ -113,23 +118,45 @@ class PlugConnector(Steady):
     def _grip(self, observation: Observation, yaw: float) -> Vector:
         """Return where the hand should be, but for the height above it."""
         x, y, z = super()._grip(observation, yaw)
+        north, east, down = self._goal()
+        ahead, side = turned((north + self.beside[0], east + self.beside[1], 0.0), -yaw)
+        return x + ahead, y + side, z + down
+
+    def _goal(self) -> Vector:
+        """Return where the hand, or the tip, should be from where `work` is: north, east, down."""
+        if self.phase in self.CARRIES:
+            return 0.0, 0.0, TIP_M
+        return self._parked() if self.phase <= LIFT else (0.0, 0.0, 0.0)
+
+    def _parked(self) -> Vector:
+        """Return where the handle of a parked connector is, as far as it is known."""
         sine, cosine = sincos(self.handle - self.HANDLE_RAD)
-        north, east = self.goal * cosine + self.beside[0], self.goal * sine + self.beside[1]
-        ahead, side = turned((north, east, 0.0), -yaw)
-        lower = TIP_M if self.phase in self.CARRIES else 0.0
-        return x + ahead, y + side, z + lower
+        north, east, down = self.into
+        letters = (cosine, sine, -(cosine * north + sine * east) / down)
+        upright = minus((0.0, 0.0, TIP_M), times(self.into, TIP_M))
+        return plus(times(letters, PARKED_M / length(letters)), upright)
+
+    def _find(self, corners: Corners, tilt: Matrix) -> Seen | None:
+        return find_tilted(corners, self.face_m, self.camera, tilt)
+
+    def _learn(self, seen: Seen, yaw: float, observation: Observation) -> None:
+        """Learn where the panel is, and how it is tilted, which does not change."""
+        super()._learn(seen, yaw, observation)
+        if self.phase < FALL:  # the hand has not hidden any of it
+            self.looks += 1
+            off = minus((*turned(seen.into, yaw), seen.into[2]), self.into)
+            self.into = plus(self.into, times(off, max(1.0 / self.looks, LEAST_SHARE)))
 
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
         """Learn where the panel is, with the connector in the hand, too."""
         super()._look(observation, tilt, yaw)
         looks = self.phase == CARRY or (self.phase == LOWER and self.offset > LOW_M)
-        if looks and self.work is not None and observation.target_visible:
-            seen = find(observation.corners.tolist(), self.face_m, self.camera, tilt)
-            if seen is not None:
-                north, east = turned(seen.centre, yaw)
-                off = self.place[0] + north - self.work[0], self.place[1] + east - self.work[1]
-                if off[0] * off[0] + off[1] * off[1] < BELIEVED_M * BELIEVED_M:
-                    self._correct((*off, 0.0))
+        seen = self._seen(observation, tilt) if looks else None
+        if seen is not None and self.work is not None:
+            north, east = turned(seen.centre, yaw)
+            off = self.place[0] + north - self.work[0], self.place[1] + east - self.work[1]
+            if off[0] * off[0] + off[1] * off[1] < BELIEVED_M * BELIEVED_M:
+                self._correct((*off, 0.0))
 
     def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
         self.height += (self.offset + error[2] - self.height) * self.dt / QUIET_S
@@ -172,7 +199,7 @@ class PlugConnector(Steady):
         if joints[self.jaw] < EMPTY_RAD:
             self._again()
         elif self._rise(CARRY_M):
-            self.goal, self.beside = 0.0, self.held_at
+            self.beside = self.held_at
             self._go(CARRY)
 
     def _carry(self, off: float) -> None:
@@ -251,7 +278,7 @@ class PlugConnector(Steady):
 
     def _again(self) -> None:
         super()._again()
-        self.goal, self.beside, self.tries = PARKED_M, (0.0, 0.0), 0
+        self.beside, self.tries = (0.0, 0.0), 0
         self.lowest, self.stood, self.lifted = 0.0, False, False
 
     def _jaw_speed(self, joints: list[float]) -> float:

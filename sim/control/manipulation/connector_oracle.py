@@ -5,7 +5,15 @@ from collections.abc import Mapping
 from seamark.sim.control.manipulation import connector
 from seamark.sim.control.manipulation.approach import FALL
 from seamark.sim.control.manipulation.arm_data import Vector
-from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotation
+from seamark.sim.control.manipulation.kinematics import (
+    Matrix,
+    applied,
+    column,
+    dot,
+    plus,
+    rotation,
+    times,
+)
 from seamark.sim.control.manipulation.oracle import AgainstCurrent
 from seamark.sim.control.observation import Observation
 
@@ -25,16 +33,18 @@ class ConnectorOracle(AgainstCurrent, connector.ResolvedRate):
     )
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Know where the connector is."""
+        """Know where the connector is, and so the receptacle."""
         super().reset(level)
         self._plant.measure_work()
-        self.parked_m = float(self._plant.work[2])
-        self.goal = 0.0
+        x, y, z, *attitude = self._plant.work[:6].tolist()
+        self.into = column(rotation(*attitude), 2)
+        tip = plus((x, y, z), times(self.into, connector.TIP_M))
+        self.mouth_m = dot(tip, self.into) / self.into[2]  # depth
 
     def _look(self, observation: Observation, tilt: Matrix, yaw: float) -> None:
         super()._look(observation, tilt, yaw)
         if self.phase > connector.LIFT:
-            self.work = (0.0, 0.0, self.parked_m)
+            self.work = (0.0, 0.0, self.mouth_m - connector.TIP_M)
 
     def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
         super()._work(observation, error, joints)
@@ -57,6 +67,5 @@ class ConnectorOracle(AgainstCurrent, connector.ResolvedRate):
         if phase == connector.INSERT:
             self.lowest, self.stands_s = self.height, 0.0
 
-    def _again(self) -> None:
-        super()._again()
-        self.goal = 0.0
+    def _parked(self) -> Vector:
+        return 0.0, 0.0, 0.0  # the work is the handle

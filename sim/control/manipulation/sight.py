@@ -1,14 +1,24 @@
-"""Where a level rectangle is, from its corners in the image of a camera that looks down."""
+"""Where a rectangle is, from its corners in the image of a camera that looks down."""
 
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from seamark.sim.control.manipulation.arm_data import Vector
-from seamark.sim.control.manipulation.kinematics import Matrix, applied, plus
+from seamark.sim.control.manipulation.kinematics import (
+    Matrix,
+    applied,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    times,
+)
 from seamark.sim.numerics.libm import atan2
 
 Corners = list[float]  # (8,) [px] x0 y0 to x3 y3
+_FLAT = 1e-9  # of a rectangle that is seen from the side
 _TOLERANCE = 0.2  # E: sides of a rectangle that differ by more are not those of a tracked target
 
 
@@ -32,6 +42,7 @@ class Seen(NamedTuple):
 
     centre: Vector  # [m]
     yaw: float  # [rad] of its long side, from the vehicle's heading
+    into: Vector = (0.0, 0.0, 1.0)  # unit vector into its face
 
 
 def find(
@@ -57,6 +68,40 @@ def find(
     along = (b[0] - a[0] + c[0] - d[0], b[1] - a[1] + c[1] - d[1])
     mount = applied(attitude, camera.mount_m)
     return Seen(plus(mount, (x, y, depth)), atan2(along[1], along[0]))
+
+
+def find_tilted(
+    corners: Corners, size_m: tuple[float, float], camera: Pinhole, attitude: Matrix
+) -> Seen | None:
+    """Return where a rectangle of known size is, and how it is tilted; None as `find`.
+
+    Its opposite sides are parallel, which tells how far its corners are in proportion to each
+    other; its size tells how far that is. How it is tilted is a small difference of them: it needs
+    many looks.
+    """
+    rays = [_at_unit_depth(corners[2 * i : 2 * i + 2], camera, attitude) for i in range(4)]
+    if any(ray is None for ray in rays):
+        return None
+    a, b, c, d = ((ray[0], ray[1], 1.0) for ray in rays if ray is not None)
+    # Far a - far b + far c = d, solved by Cramer's rule.
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    whole = dot(a, bc)
+    if abs(whole) < _FLAT:
+        return None
+    a, b, c = (times(v, dot(d, n) / whole) for v, n in ((a, bc), (times(b, -1.0), ca), (c, ab)))
+    long, short = minus(b, a), minus(d, a)
+    sides = length(long), length(short)
+    if sides[0] + sides[1] < _FLAT:
+        return None
+    depth = (size_m[0] + size_m[1]) / (sides[0] + sides[1])
+    if any(
+        abs(depth * side / true - 1.0) > _TOLERANCE
+        for side, true in zip(sides, size_m, strict=True)
+    ):
+        return None
+    normal = cross(long, short)
+    centre = plus(applied(attitude, camera.mount_m), times(plus(b, d), 0.5 * depth))
+    return Seen(centre, atan2(long[1], long[0]), times(normal, 1.0 / length(normal)))
 
 
 def _at_unit_depth(pixel: Corners, camera: Pinhole, attitude: Matrix) -> tuple[float, float] | None:

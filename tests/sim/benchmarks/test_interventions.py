@@ -12,7 +12,7 @@ from seamark.sim.registry import benchmark
 
 SEED = 2026
 TRIALS = range(30)
-INTERVENTIONS = ("recover-v1", "valve-v1")
+INTERVENTIONS = ("recover-v1", "valve-v1", "connect-v1")
 
 
 def intervention(name: str) -> Intervention[Any]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from seamark.sim.metrics.attempts import STRIKE_N, STRUCK
 from seamark.sim.metrics.connection import AWAY_S, METRICS, STAGES, TIP_M, Connection
@@ -93,6 +94,33 @@ def test_a_connector_that_leans_is_as_deep_as_its_tip() -> None:
 
     assert story.depth_m[-1] == pytest.approx(0.09)
     assert story.off_m[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("tilt", [(0.14, 0.0), (-0.1, 0.09), (0.0, -0.14)])
+def test_depth_is_along_the_axis_of_a_tilted_bore_and_not_along_the_vertical(
+    tilt: tuple[float, float],
+) -> None:
+    panel = Rotation.from_rotvec([*tilt, 0.0])
+    vertical = np.array([0.0, 0.0, 1.0])
+    mouth, into = FACE_M * vertical, panel.apply(vertical)
+    parked = mouth + panel.apply([PARKED_M, 0.0, 0.0])
+    tips = np.array([parked, mouth, mouth + 0.08 * into, mouth + 0.08 * vertical])
+    upright = Rotation.identity()
+    attitudes = [panel, panel, panel, upright]
+    rows = np.zeros((len(tips), width_for(8, arm=True, work=True)))
+    for row, tip, attitude in zip(rows, tips, attitudes, strict=True):
+        row[[WORK_INDEX[f"workpiece_{axis}"] for axis in "xyz"]] = tip - TIP_M * attitude.apply(
+            vertical
+        )
+        row[[WORK_INDEX[f"workpiece_{axis}"] for axis in ("roll", "pitch", "yaw")]] = (
+            attitude.as_euler("xyz")
+        )
+
+    attempt = Connection(rows, DT)
+
+    angle = np.linalg.norm(tilt)
+    assert attempt.depth_m == pytest.approx([0.0, 0.0, 0.08, 0.08 * np.cos(angle)], abs=1e-12)
+    assert attempt.off_m == pytest.approx([PARKED_M, 0.0, 0.0, 0.08 * np.sin(angle)], abs=1e-12)
 
 
 def test_one_that_is_dropped_into_the_receptacle_was_not_inserted() -> None:

@@ -173,7 +173,8 @@ def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more() -
 
     assert max(map(credit, tries)) == CREDIT["unparked"]
     assert max(float(one.depth_m[-1]) for one in fallen) > -0.05
-    assert max(float(one.inserted_m.max()) for one in fallen) == 0.0
+    # A jaw may touch it on its way, within the half second over which two sides are judged.
+    assert max(float(one.inserted_m.max()) for one in fallen) < 0.001
 
 
 def test_one_that_is_let_go_at_the_mouth_and_pressed_down_was_not_inserted() -> None:

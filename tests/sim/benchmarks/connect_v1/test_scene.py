@@ -1,20 +1,26 @@
 """What stands in the scene of connect-v1, and what a trial draws of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from seamark.sim.benchmarks.connect_v1 import scene
-from seamark.sim.benchmarks.connect_v1.experiment import EXPERIMENT
-from seamark.sim.benchmarks.connect_v1.settings import ConnectConfiguration
+from seamark.sim.benchmarks.connect_v1.experiment import EXPERIMENT, Connect
+from seamark.sim.benchmarks.connect_v1.settings import MOST_TILT_RAD, ConnectConfiguration
+from seamark.sim.benchmarks.intervention.things import SUNK_M
+from seamark.sim.benchmarks.intervention.tilt import Tilt
 from seamark.sim.control.manipulation import connector
 from seamark.sim.engine.trial import run_trial
-from seamark.sim.metrics.connection import SEATED_M, TIP_M
+from seamark.sim.metrics.connection import METRICS, SEATED_M, TIP_M, Connection
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.recording.telemetry import WORK_INDEX, Rows, digest
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles.linkage import Touchable
 from seamark.sim.vehicles.linkage_reading import load_linkage
+from tests.sim.benchmarks.attempts import rows_of
 
 CONFIG = ConnectConfiguration.read({"levels": [0.1], "level_duration_s": 5.0})
 
@@ -71,30 +77,126 @@ def test_connector_metrics_and_controllers_have_one_length() -> None:
 def test_the_receptacle_is_at_the_origin_of_the_world_which_the_stages_rely_on() -> None:
     draw = drawn(5)
     receptacle, parked = scene.workpiece(draw).things
-    north, east, face = receptacle.place.point.value
+    mouth = np.array(receptacle.place.point.value)
+    attitudes = [
+        Rotation.from_euler("xyz", thing.place.turn.value) for thing in (receptacle, parked)
+    ]
 
-    assert (north, east) == (0.0, 0.0)
-    assert face == pytest.approx(scene.target(draw).seabed_m - draw.height_m)
-    assert parked.place.point.value[2] + TIP_M == pytest.approx(face)
-    assert np.hypot(*parked.place.point.value[:2]) == pytest.approx(draw.parked_m)
+    assert mouth[:2].tolist() == [0.0, 0.0]
+    assert mouth[2] == pytest.approx(scene.target(draw).seabed_m - draw.height_m)
+    bore, peg = (attitude.apply([0.0, 0.0, 1.0]) for attitude in attitudes)
+    assert np.arccos(bore[2]) == pytest.approx(draw.tilt.angle_rad)
+    assert peg == pytest.approx(bore)
+    from_mouth = np.array(parked.place.point.value) + TIP_M * peg - mouth
+    assert from_mouth @ bore == pytest.approx(0.0, abs=1e-12)
+    assert np.linalg.norm(from_mouth) == pytest.approx(draw.parked_m)
+
+
+def test_the_panel_reaches_from_its_face_into_the_seabed_however_it_is_tilted() -> None:
+    draw = drawn(5)
+    panel = shape(scene.workpiece(draw), "panel")
+    long, wide, half = panel.size.value
+
+    assert panel.place.point.value[2] == pytest.approx(half)
+    assert 2.0 * half == pytest.approx(draw.height_m + SUNK_M)
+    assert np.hypot(long, wide) * np.sin(MOST_TILT_RAD) < SUNK_M
 
 
 def test_the_face_that_is_tracked_is_the_top_of_the_panel() -> None:
     draw = drawn(7)
 
-    assert np.allclose(scene.workpiece(draw).corners(), scene.target(draw).top_corners())
+    level, middle = scene.target(draw).top_corners(), scene.target(draw).top_centre()
+    tilted = middle + (level - middle) @ draw.tilt.matrix().T
+
+    assert draw.tilt.angle_rad > 0.01
+    assert np.allclose(scene.workpiece(draw).corners(), tilted)
+
+
+def test_a_trial_without_a_tilt_is_the_same_but_level() -> None:
+    level = ConnectConfiguration.read({"tilt_spread_rad": 0.0})
+    tilted, flat = (scene.draw_connector(config, streams(2026, 4, 0)) for config in (CONFIG, level))
+
+    assert tilted.tilt.angle_rad > 0.0
+    assert flat.tilt.matrix().tolist() == np.eye(3).tolist()
+    assert replace(tilted, tilt=flat.tilt) == flat
+
+
+class Steep(Connect):
+    """As steep as it may be, to one side or another; and the rest of the draw as told."""
+
+    def __init__(self, axis_rad: float, **drawn: float) -> None:
+        super().__init__(METRICS)
+        self._tilt, self._drawn = Tilt(angle_rad=MOST_TILT_RAD, axis_rad=axis_rad), drawn
+
+    def _connector(
+        self, config: ConnectConfiguration, seed: int, trial: int
+    ) -> scene.ConnectorDraw:
+        drawn = super()._connector(config, seed, trial)
+        return replace(drawn, tilt=self._tilt, **self._drawn)
+
+
+def rows_on(experiment: Connect, entry: str, current_m_s: float) -> Rows:
+    config = ConnectConfiguration.read({"tracker": "truth", "levels": [current_m_s]})
+    return rows_of(experiment, config, experiment.built_in(entry, config), seed=2026, trial=0)
+
+
+def moved_m(rows: Rows) -> float:
+    """Return by how much the handle moved at most."""
+    handle = rows[:, [WORK_INDEX[f"workpiece_{axis}"] for axis in "xyz"]]
+    return float(np.linalg.norm(handle - handle[0], axis=1).max())
+
+
+AXES_RAD = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0)
 
 
 @pytest.mark.slow
 def test_the_connector_stands_in_its_parking_place_until_it_is_taken() -> None:
     rows = run("nothing")
-    z = rows[:, WORK_INDEX["workpiece_z"]]
-    lean = np.abs(rows[:, [WORK_INDEX["workpiece_roll"], WORK_INDEX["workpiece_pitch"]]])
+    lean = rows[:, [WORK_INDEX["workpiece_roll"], WORK_INDEX["workpiece_pitch"]]]
 
-    assert np.ptp(z) < 1e-4
-    assert lean.max() < 1e-3
+    assert moved_m(rows) < 1e-3
+    assert np.ptp(lean, axis=0).max() < 1e-3
     assert rows[:, WORK_INDEX["work_arm_n"]].max() == 0.0
     assert rows[1:, WORK_INDEX["work_rest_n"]].min() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis_rad", AXES_RAD)
+def test_the_lightest_and_smoothest_stands_on_the_steepest_panel_in_a_current(
+    axis_rad: float,
+) -> None:
+    smoothest = 1.0 - CONFIG.friction_spread
+    steep = Steep(axis_rad, mass_kg=scene.LIGHTEST_KG, friction_factor=smoothest)
+
+    assert moved_m(rows_on(steep, "nothing", 0.2)) < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis_rad", AXES_RAD)
+def test_the_posts_keep_it_in_its_place_in_the_strongest_current(axis_rad: float) -> None:
+    attempt = Connection(rows_on(Steep(axis_rad), "nothing", 0.5), 0.05)
+
+    assert np.abs(attempt.depth_m).max() < 0.01
+    assert np.abs(attempt.off_m - attempt.off_m[0]).max() < 0.015
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis_rad", AXES_RAD[::2])
+def test_an_oracle_plugs_it_along_the_axis_of_the_steepest_bore(axis_rad: float) -> None:
+    rows = rows_on(Steep(axis_rad), "oracle", 0.1)
+    attempt = Connection(rows, 0.05)
+    start, end = (
+        Rotation.from_euler(
+            "xyz", rows[row, [WORK_INDEX[f"workpiece_{a}"] for a in ("roll", "pitch", "yaw")]]
+        ).apply([0.0, 0.0, 1.0])
+        for row in (0, -1)
+    )
+
+    assert attempt.progress.credit == 1.0
+    assert attempt.depth_m[-1] > SEATED_M
+    assert np.arccos(start[2]) == pytest.approx(MOST_TILT_RAD, abs=1e-6)
+    assert np.arccos(start @ end) < 0.06  # it leans in the bore by its clearance, and no more
+    assert np.arccos(end[2]) > 0.08
 
 
 @pytest.mark.slow
@@ -108,9 +210,10 @@ def test_a_greatest_clearance_below_the_least_is_refused() -> None:
         ConnectConfiguration.read({"clearance_least_m": 0.005, "clearance_most_m": 0.004})
 
 
-def test_a_tilted_panel_is_refused() -> None:
-    with pytest.raises(ConfigurationInvalid, match="level"):
-        ConnectConfiguration.read({"tilt_spread_rad": 0.1})
+def test_a_panel_on_which_a_connector_would_not_stand_is_refused() -> None:
+    assert CONFIG.tilt_spread_rad == MOST_TILT_RAD
+    with pytest.raises(ConfigurationInvalid, match=r"Tilt.*at most 0\.14 rad, not 0\.15 rad"):
+        ConnectConfiguration.read({"tilt_spread_rad": 0.15})
 
 
 def test_programs_are_told_of_the_panel_but_not_what_was_drawn() -> None:

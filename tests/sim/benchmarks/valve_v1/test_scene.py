@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from seamark.sim.benchmarks.intervention.things import SUNK_M
 from seamark.sim.benchmarks.valve_v1 import scene
 from seamark.sim.benchmarks.valve_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.valve_v1.settings import ValveConfiguration
@@ -57,10 +58,10 @@ def test_the_panel_reaches_from_its_face_into_the_seabed_however_it_is_tilted() 
 
     assert face == pytest.approx(target.seabed_m - draw.height_m)
     assert shape.place.point.value[2] - half == pytest.approx(0.0)
-    assert face + 2.0 * half == pytest.approx(target.seabed_m + scene.SUNK_M)
+    assert face + 2.0 * half == pytest.approx(target.seabed_m + SUNK_M)
     steepest = ValveConfiguration.model_fields["tilt_spread_rad"].metadata
     most = next(one.le for one in steepest if hasattr(one, "le"))
-    assert np.hypot(*shape.size.value[:2]) * np.sin(most) < scene.SUNK_M
+    assert np.hypot(*shape.size.value[:2]) * np.sin(most) < SUNK_M
 
 
 def test_the_face_that_is_tracked_is_the_top_of_the_panel() -> None:

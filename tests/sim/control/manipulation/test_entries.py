@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from seamark.sim.benchmarks.connect_v1 import scene
+from seamark.sim.benchmarks.intervention.tilt import Tilt
 from seamark.sim.camera import Camera, Optics, Target, Water
 from seamark.sim.control.manipulation import connector, recover, valve
 from seamark.sim.control.manipulation.connector_oracle import ConnectorOracle
+from seamark.sim.control.manipulation.kinematics import rotation
 from seamark.sim.control.manipulation.oracle import AHEAD_S, RecoverOracle, ValveOracle
+from seamark.sim.control.manipulation.sight import Pinhole
 from seamark.sim.control.velocity_law import AXIS, MEASURED
 from seamark.sim.registry import benchmark
 
@@ -37,6 +41,17 @@ def corners(config: dict[str, Any], pose: tuple[float, ...]) -> NDArray[np.float
     return np.asarray(
         Camera(optics, Water.grey(0.2), target, noise_seed=1).corners(np.array(pose))
     ).ravel()
+
+
+def projected(
+    config: dict[str, Any], pose: tuple[float, ...], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Points (n, 3) NED in the image of a camera that looks down, (2 n,) [px]."""
+    camera = Pinhole.told(config)
+    body = np.array(rotation(*pose[3:]))
+    ahead, side, below = ((points - pose[:3]) @ body - camera.mount_m).T
+    unit = np.stack([side / below, -ahead / below], axis=1)
+    return np.asarray(unit * camera.focal_px + camera.centre_px).ravel()
 
 
 def observed(**changes: Any) -> Any:
@@ -240,3 +255,38 @@ def test_a_blind_hand_that_closed_on_nothing_goes_where_another_drift_would_have
     drifted = 20.0 * connector.DVL_ERROR_M_S
     assert before == pytest.approx([-drifted, -drifted])
     assert entry.place == pytest.approx([drifted, drifted])
+
+
+@pytest.mark.parametrize("axis_rad", [0.4, -2.0])
+def test_a_connector_is_looked_for_where_it_stands_on_a_tilted_panel(axis_rad: float) -> None:
+    config = told("connect-v1")
+    entry = connector.Scripted(config)
+    work = scene.workpiece(scene.ConnectorDraw(tilt=Tilt(angle_rad=0.14, axis_rad=axis_rad)))
+    parked = np.array(work.things[1].place.point.value)
+    pose = (-1.2, 0.3, parked[2] - 1.4, 0.0, 0.0, 1.3)
+
+    entry.reset(LATER)
+    for _ in range(3):
+        entry.step(
+            observed(
+                attitude=np.array(pose[3:]),
+                depth=pose[2],
+                target_visible=True,
+                corners=projected(config, pose, work.corners()),
+            )
+        )
+
+    assert entry.work is not None
+    handle = np.array([*pose[:2], 0.0]) + entry.work + entry._parked()
+    assert handle == pytest.approx(parked, abs=1e-3)
+
+
+def test_an_oracle_knows_where_the_mouth_of_a_tilted_receptacle_is() -> None:
+    drawn = scene.ConnectorDraw(tilt=Tilt(angle_rad=0.14, axis_rad=1.0))
+    receptacle, parked = scene.workpiece(drawn).things
+    plant = StillPlant()
+    plant.work[:6] = *parked.place.point.value, *parked.place.turn.value
+
+    entry = oracle_in("connect-v1", ConnectorOracle, plant)
+
+    assert entry.mouth_m == pytest.approx(receptacle.place.point.value[2])
