@@ -1,10 +1,10 @@
 """Plugging a connector: grip its handle, take it out, bring it over the receptacle, push it in.
 
-The connector is parked beside the receptacle on the panel whose letters tell where both are. The
-jaws hold it upright and in the middle across its handle, so where the hand is, the peg is. On the
-way down, the force through the wrist limits how hard it pushes. If the tip stands before the bore,
-the hand lifts it and tries places around, farther and farther out. In the bore the hand goes where
-the bore takes it.
+The connector is parked beside the receptacle on a panel, whose letters tell where both are, and
+whose corners, how it is tilted. It hangs upright from the jaws and in the middle across its handle,
+so where the hand is, the peg is. On the way down, the force through the wrist limits how hard it
+pushes. If the tip stands before the bore, the hand lifts it and tries places around, farther and
+farther out. In the bore, whose axis turns the peg, the hand goes where the bore takes it.
 """
 
 import math
