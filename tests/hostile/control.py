@@ -147,7 +147,8 @@ def command_of(case: Case, attack: Path) -> list[str]:
     (attack / f"program{suffix}").write_bytes(first + case.source)
     if suffix == ".py":
         shutil.copy(CALLERS / "caller.py", attack)
-        script = [sys.executable, "-s", "-P", "/attack/caller.py", "/attack/program.py"]
+        # Without buffers: what a program has printed is seen though a signal ends it.
+        script = [sys.executable, "-u", "-s", "-P", "/attack/caller.py", "/attack/program.py"]
         return [*script, json.dumps(case.config), role]
     if suffix == ".m":
         shutil.copy(CALLERS / "caller.m", attack)
