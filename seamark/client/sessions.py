@@ -22,7 +22,7 @@ TIMEOUT_S = 30.0  # until an answer starts or goes on
 PATIENCE_S = 60.0  # of all pauses before a request is given up
 # Trusts nobody: a server without TLS needs no certificates, and no redirect leads to another one.
 # To read the usual ones takes 30 ms.
-_NO_CERTIFICATES: Final = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+NO_CERTIFICATES: Final = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
 
 Result = TypeVar("Result")
 
@@ -51,8 +51,12 @@ class Connection:
         if self._token:
             headers["Authorization"] = f"Bearer {self._token}"
         plain = self.server.lower().startswith("http://")
-        trusted = {"verify": _NO_CERTIFICATES if plain else True}
-        return {"base_url": self.server, "headers": headers, "timeout": TIMEOUT_S, **trusted}
+        return {
+            "base_url": self.server,
+            "headers": headers,
+            "timeout": TIMEOUT_S,
+            "verify": NO_CERTIFICATES if plain else True,
+        }
 
 
 class Session(Connection):

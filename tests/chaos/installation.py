@@ -15,6 +15,7 @@ from numpy.random import Generator
 from redis import Redis
 from redis.exceptions import RedisError
 
+from seamark.client.sessions import NO_CERTIFICATES
 from seamark.embedded.broker import command as broker_command
 from seamark.embedded.broker import find_server
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
@@ -22,7 +23,6 @@ from seamark.server.settings import Settings
 from tests.services import faulty_s3, postgres, s3
 from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
-from tests.services.without_tls import WITHOUT_TLS
 from tests.worker.conftest import Service, service_with, wait_until
 from tests.worker.processes import command_line
 
@@ -197,7 +197,7 @@ def _reaped(pid: int) -> bool:
 def _serves(port: int) -> bool:
     try:
         address = f"http://127.0.0.1:{port}/healthz"
-        return httpx.get(address, verify=WITHOUT_TLS).is_success
+        return httpx.get(address, verify=NO_CERTIFICATES).is_success
     except httpx.TransportError:
         return False
 

@@ -20,6 +20,7 @@ from sqlalchemy import select
 from websockets.sync.client import connect
 
 from seamark.client import Client, ServerUnavailable
+from seamark.client.sessions import NO_CERTIFICATES
 from seamark.client.sync_runs import Run as ClientRun
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
@@ -35,7 +36,6 @@ from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
 from tests.services.faulty_s3 import Behaviour
-from tests.services.without_tls import WITHOUT_TLS
 from tests.worker.conftest import wait_until
 
 REFUSED_S = 120.0  # until a worker that must not start has ended
@@ -284,7 +284,7 @@ def _slowest_answer(service: Service, run_id: int, seconds: float) -> float:
                     client.server + path,
                     headers=headers,
                     timeout=START_S,
-                    verify=WITHOUT_TLS,
+                    verify=NO_CERTIFICATES,
                 )
                 slowest_s = max(slowest_s, time.monotonic() - asked_at)
         time.sleep(0.5)
@@ -321,7 +321,7 @@ def _start_web(session: Session, name: str) -> None:
 
 def _is_up(address: str) -> bool:
     try:
-        return httpx.get(f"http://{address}:8000/healthz", verify=WITHOUT_TLS).is_success
+        return httpx.get(f"http://{address}:8000/healthz", verify=NO_CERTIFICATES).is_success
     except httpx.TransportError:
         return False
 

@@ -11,12 +11,12 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
+from seamark.client.sessions import NO_CERTIFICATES
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from tests.journey.conftest import SHORT
 from tests.journey.service import Service
 from tests.services import promql
-from tests.services.without_tls import WITHOUT_TLS
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -110,7 +110,7 @@ def scraped(service: Service, run: Followed) -> str:
     text, deadline = "", time.monotonic() + 120.0
     while "seamark_maintenance_failures_total{" not in text:
         assert time.monotonic() < deadline
-        text = httpx.get(f"{service.url}/metrics", verify=WITHOUT_TLS).text
+        text = httpx.get(f"{service.url}/metrics", verify=NO_CERTIFICATES).text
         time.sleep(0.2)  # nothing is announced
     return text
 

@@ -4,22 +4,18 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
 from seamark.sim.benchmarks.connect_v1.settings import SHAPE, ConnectConfiguration
-from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, estimate
-from seamark.sim.benchmarks.intervention.tilt import Attitude, Tilt, tilt_of
+from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, placed
+from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.camera.target import Target
 from seamark.sim.metrics.connection import TIP_M
-from seamark.sim.multibody.assembly import Frame, Mounting
+from seamark.sim.multibody.assembly import Mounting
 from seamark.sim.multibody.workpiece import Workpiece
-from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.vehicles.linkage import Linkage, LinkData
 from seamark.sim.vehicles.linkage_reading import load_linkage
-from seamark.sim.vehicles.matrices import applied, multiplied
-from seamark.sim.vehicles.model import Place
+from seamark.sim.vehicles.matrices import applied
 
 RECEPTACLE, CONNECTOR = "roof-receptacle", "connector"
 LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
@@ -81,16 +77,14 @@ def target(drawn: ConnectorDraw) -> Target:
 def workpiece(drawn: ConnectorDraw) -> Workpiece:
     """Return the connector in its parking place beside the receptacle."""
     panel = target(drawn)
-    top, (right, down) = panel.top_centre(), panel.axes()
-    tilt, yaw = drawn.tilt.matrix(), drawn.heading_rad + 0.5 * PI
-    face = multiplied(tilt, np.column_stack([right, down, [0.0, 0.0, 1.0]]))
+    top, yaw = panel.top_centre(), drawn.heading_rad + 0.5 * PI
     sine, cosine = sincos(yaw)
     beside = (drawn.parked_m * cosine, drawn.parked_m * sine, -TIP_M)
-    parked = top + applied(tilt, beside)
+    parked = top + applied(drawn.tilt.matrix(), beside)
     connector = _weighed(load_linkage(CONNECTOR), drawn)
     things = (
-        (_varied(load_linkage(RECEPTACLE), drawn), _place(top, drawn.tilt.attitude(yaw))),
-        (connector, _place(parked, drawn.tilt.attitude(yaw + drawn.askew_rad))),
+        (_varied(load_linkage(RECEPTACLE), drawn), placed(top, drawn.tilt.attitude(yaw))),
+        (connector, placed(parked, drawn.tilt.attitude(yaw + drawn.askew_rad))),
     )
     return Workpiece(
         things=tuple(
@@ -99,7 +93,7 @@ def workpiece(drawn: ConnectorDraw) -> Workpiece:
         link=f"{_PREFIX}connector",
         shapes=tuple(f"{_PREFIX}{name}" for name in connector.shapes()),
         grip=(0.0, 0.0, 0.0),
-        face=Frame(None, top, face),
+        face=drawn.tilt.face_of(panel),
         size_m=(SHAPE.length_m, SHAPE.width_m),
     )
 
@@ -137,7 +131,3 @@ def _as_far(parking: LinkData, parked_m: float) -> LinkData:
     place = parking.joint.place
     there = replace(place, point=replace(place.point, value=(parked_m, 0.0, 0.0)))
     return replace(parking, joint=replace(parking.joint, place=there))
-
-
-def _place(point: Array, attitude: Attitude) -> Place:
-    return Place(point=estimate("place", *point.tolist()), turn=estimate("turn", *attitude))

@@ -2,14 +2,21 @@
 
 from dataclasses import replace
 
+from seamark.sim.benchmarks.intervention.tilt import Attitude
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.vehicles import Quantity
 from seamark.sim.vehicles.linkage import LinkData, Touchable
+from seamark.sim.vehicles.model import Place
 
 SUNK_M = 0.1  # of a panel below the seabed, so that it has no gap there when it is tilted
 
 
-def estimate(meaning: str, *value: float) -> Quantity:
-    """Return a quantity of the scene: an estimate, in SI units."""
+def placed(point: Array, attitude: Attitude) -> Place:
+    """Return where a thing is: its origin, (3,) [m] NED, and its roll, pitch and yaw [rad]."""
+    return Place(point=_estimate("place", *point.tolist()), turn=_estimate("turn", *attitude))
+
+
+def _estimate(meaning: str, *value: float) -> Quantity:
     return Quantity(meaning=meaning, value=value, unit="SI", tag="E", source="the scene")
 
 

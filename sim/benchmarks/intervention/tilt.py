@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seamark.sim.camera.target import Target
+from seamark.sim.multibody.assembly import Frame
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, asin, atan2, sincos
 from seamark.sim.vehicles.matrices import multiplied
@@ -39,6 +41,14 @@ class Tilt:
         turn = multiplied(self.matrix(), level)
         pitch = asin(min(max(-turn[2, 0], -1.0), 1.0))
         return atan2(turn[2, 1], turn[2, 2]), pitch, atan2(turn[1, 0], turn[0, 0])
+
+    def face_of(self, panel: Target) -> Frame:
+        """Return the axes of a panel's upper face, which is tilted about its middle.
+
+        Right and down as one reads its letters, and into it.
+        """
+        level = np.column_stack([*panel.axes(), [0.0, 0.0, 1.0]])
+        return Frame(None, panel.top_centre(), multiplied(self.matrix(), level))
 
 
 def tilt_of(most_rad: float, shares: tuple[float, float]) -> Tilt:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.sim.benchmarks.intervention.things import as_rough, estimate
+from seamark.sim.benchmarks.intervention.things import as_rough, placed
 from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.recover_v1.settings import SHAPE, RecoverConfiguration
 from seamark.sim.camera.target import Target
@@ -19,7 +19,6 @@ from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
-from seamark.sim.vehicles.model import Place
 
 BOX, STONE = "black-box", "stone"
 RAISED_M = 0.06  # the middle of the stone's upper face above the seabed
@@ -68,19 +67,19 @@ def workpiece(drawn: BoxDraw) -> Workpiece:
     """Return the box on its stone."""
     box = target(drawn)
     ground = np.array([box.north_m, box.east_m, box.seabed_m - RAISED_M])
-    turn = estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI))
+    attitude = drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)
     up = drawn.tilt.matrix()[:, 2] * (0.5 * SHAPE.height_m)
     linkage = _varied(load_linkage(BOX), drawn)
     return Workpiece(
         things=(
             Mounting(
                 linkage=linkage,
-                place=Place(point=estimate("place", *(ground - up).tolist()), turn=turn),
+                place=placed(ground - up, attitude),
                 prefix=_PREFIX,
             ),
             Mounting(
                 linkage=load_linkage(STONE),
-                place=Place(point=estimate("place", *ground.tolist()), turn=turn),
+                place=placed(ground, attitude),
                 prefix=_STONE_PREFIX,
             ),
         ),

@@ -4,20 +4,16 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
-from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, estimate
+from seamark.sim.benchmarks.intervention.things import SUNK_M, as_high, as_rough, placed
 from seamark.sim.benchmarks.intervention.tilt import Tilt, tilt_of
 from seamark.sim.benchmarks.valve_v1.settings import SHAPE, ValveConfiguration
 from seamark.sim.camera.target import Target
-from seamark.sim.multibody.assembly import Frame, Mounting
+from seamark.sim.multibody.assembly import Mounting
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
-from seamark.sim.vehicles.matrices import multiplied
-from seamark.sim.vehicles.model import Place
 
 VALVE = "roof-valve"
 LOWEST_M, HIGHEST_M = 0.4, 0.8  # of the panel above the seabed
@@ -70,19 +66,15 @@ def target(drawn: ValveDraw) -> Target:
 def workpiece(drawn: ValveDraw) -> Workpiece:
     """Return the valve on its panel."""
     panel = target(drawn)
-    top, (right, down) = panel.top_centre(), panel.axes()
-    level = np.column_stack([right, down, [0.0, 0.0, 1.0]])
-    place = Place(
-        point=estimate("place", *top.tolist()),
-        turn=estimate("turn", *drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)),
-    )
+    attitude = drawn.tilt.attitude(drawn.heading_rad + 0.5 * PI)
+    place = placed(panel.top_centre(), attitude)
     linkage = _varied(load_linkage(VALVE), drawn)
     return Workpiece(
         things=(Mounting(linkage=linkage, place=place, prefix=_PREFIX),),
         link=f"{_PREFIX}handle",
         shapes=tuple(f"{_PREFIX}{name}" for name in linkage.shapes()),
         grip=(0.0, 0.0, 0.0),
-        face=Frame(None, top, multiplied(drawn.tilt.matrix(), level)),
+        face=drawn.tilt.face_of(panel),
         size_m=(SHAPE.length_m, SHAPE.width_m),
     )
 

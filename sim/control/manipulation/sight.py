@@ -52,13 +52,13 @@ def find(
 
     `attitude` takes body axes to level ones: of roll and pitch alone.
     """
-    points = [_at_unit_depth(corners[2 * i : 2 * i + 2], camera, attitude) for i in range(4)]
-    if any(point is None for point in points):
+    rays = _at_unit_depth(corners, camera, attitude)
+    if rays is None:
         return None
-    a, b, c, d = (point for point in points if point is not None)
+    a, b, c, d = rays
     long, short = (_length(a, b), _length(d, c)), (_length(a, d), _length(b, c))
     total = long[0] + long[1] + short[0] + short[1]
-    if total < 1e-9:
+    if total < _FLAT:
         return None
     depth = 2.0 * (size_m[0] + size_m[1]) / total
     for sides, true in ((long, size_m[0]), (short, size_m[1])):
@@ -79,10 +79,10 @@ def find_tilted(
     other; its size tells how far that is. How it is tilted is a small difference of them: it needs
     many looks.
     """
-    rays = [_at_unit_depth(corners[2 * i : 2 * i + 2], camera, attitude) for i in range(4)]
-    if any(ray is None for ray in rays):
+    rays = _at_unit_depth(corners, camera, attitude)
+    if rays is None:
         return None
-    a, b, c, d = ((ray[0], ray[1], 1.0) for ray in rays if ray is not None)
+    a, b, c, d = ((x, y, 1.0) for x, y in rays)
     # Far a - far b + far c = d, solved by Cramer's rule.
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
     whole = dot(a, bc)
@@ -104,11 +104,18 @@ def find_tilted(
     return Seen(centre, atan2(long[1], long[0]), times(normal, 1.0 / length(normal)))
 
 
-def _at_unit_depth(pixel: Corners, camera: Pinhole, attitude: Matrix) -> tuple[float, float] | None:
-    """Return where the ray of a pixel is one metre below the camera, level axes."""
-    u, v = ((pixel[i] - camera.centre_px[i]) / camera.focal_px for i in (0, 1))
-    x, y, z = applied(attitude, (-v, u, 1.0))
-    return (x / z, y / z) if z > 0.1 and math.isfinite(x + y) else None
+def _at_unit_depth(
+    corners: Corners, camera: Pinhole, attitude: Matrix
+) -> list[tuple[float, float]] | None:
+    """Return where the rays of pixels are one metre below the camera, level axes; None if not."""
+    rays = []
+    for k in range(0, len(corners), 2):
+        u, v = ((corners[k + i] - camera.centre_px[i]) / camera.focal_px for i in (0, 1))
+        x, y, z = applied(attitude, (-v, u, 1.0))
+        if not (z > 0.1 and math.isfinite(x + y)):
+            return None
+        rays.append((x / z, y / z))
+    return rays
 
 
 def _length(a: tuple[float, float], b: tuple[float, float]) -> float:

@@ -3,15 +3,15 @@
 import httpx
 from werkzeug.test import TestResponse
 
+from seamark.client.sessions import NO_CERTIFICATES
 from tests.server.pages.conftest import Browser, Site
 from tests.services.oidc import path_of
-from tests.services.without_tls import WITHOUT_TLS
 
 
 def come_back(browser: Browser, following: str = "/runs/") -> str:
     """Go to the provider, which agrees, and return the address to which it sends the browser."""
     there = browser.get(f"/sign-in/provider?next={following}").headers["Location"]
-    return path_of(httpx.get(there, verify=WITHOUT_TLS).headers["Location"])
+    return path_of(httpx.get(there, verify=NO_CERTIFICATES).headers["Location"])
 
 
 def sign_in(browser: Browser, following: str = "/runs/") -> TestResponse:

@@ -8,13 +8,13 @@ from urllib.parse import parse_qs, urlsplit
 import httpx
 import pytest
 
+from seamark.client.sessions import NO_CERTIFICATES
 from seamark.server.web import identity_provider
 from tests.cast import Backend
 from tests.server.pages.account.sign_ins import come_back, create, is_in, sign_in
 from tests.server.pages.conftest import Site, with_settings
 from tests.services import oidc
 from tests.services.oidc import Provider, path_of
-from tests.services.without_tls import WITHOUT_TLS
 
 
 def _other(**claims: Any) -> Any:
@@ -176,7 +176,7 @@ def test_metadata_of_another_provider_sends_nobody_away(
     browser = site.browser()
     answer = browser.get("/sign-in/provider")
     if answer.status_code == 302:
-        agreed = httpx.get(answer.headers["Location"], verify=WITHOUT_TLS)
+        agreed = httpx.get(answer.headers["Location"], verify=NO_CERTIFICATES)
         answer = browser.get(path_of(agreed.headers["Location"]))
 
     assert answer.status_code in {403, 503}

@@ -12,11 +12,11 @@ from seamark.sim.benchmarks.intervention.tilt import Tilt
 from seamark.sim.camera import Camera, Optics, Target, Water
 from seamark.sim.control.manipulation import connector, recover, valve
 from seamark.sim.control.manipulation.connector_oracle import ConnectorOracle
-from seamark.sim.control.manipulation.kinematics import rotation
 from seamark.sim.control.manipulation.oracle import AHEAD_S, RecoverOracle, ValveOracle
 from seamark.sim.control.manipulation.sight import Pinhole
 from seamark.sim.control.velocity_law import AXIS, MEASURED
 from seamark.sim.registry import benchmark
+from tests.sim.control.manipulation.pinhole import projected
 
 DT_S = 0.05
 LATER = {"index": 3, "count": 6, "duration_s": 90.0, "dt": DT_S, "t": 270.0}  # a level of a trial
@@ -41,17 +41,6 @@ def corners(config: dict[str, Any], pose: tuple[float, ...]) -> NDArray[np.float
     return np.asarray(
         Camera(optics, Water.grey(0.2), target, noise_seed=1).corners(np.array(pose))
     ).ravel()
-
-
-def projected(
-    config: dict[str, Any], pose: tuple[float, ...], points: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Points (n, 3) NED in the image of a camera that looks down, (2 n,) [px]."""
-    camera = Pinhole.told(config)
-    body = np.array(rotation(*pose[3:]))
-    ahead, side, below = ((points - pose[:3]) @ body - camera.mount_m).T
-    unit = np.stack([side / below, -ahead / below], axis=1)
-    return np.asarray(unit * camera.focal_px + camera.centre_px).ravel()
 
 
 def observed(**changes: Any) -> Any:
@@ -264,6 +253,7 @@ def test_a_connector_is_looked_for_where_it_stands_on_a_tilted_panel(axis_rad: f
     work = scene.workpiece(scene.ConnectorDraw(tilt=Tilt(angle_rad=0.14, axis_rad=axis_rad)))
     parked = np.array(work.things[1].place.point.value)
     pose = (-1.2, 0.3, parked[2] - 1.4, 0.0, 0.0, 1.3)
+    seen = projected(Pinhole.told(config), pose[3:], work.corners() - pose[:3])
 
     entry.reset(LATER)
     for _ in range(3):
@@ -272,7 +262,7 @@ def test_a_connector_is_looked_for_where_it_stands_on_a_tilted_panel(axis_rad: f
                 attitude=np.array(pose[3:]),
                 depth=pose[2],
                 target_visible=True,
-                corners=projected(config, pose, work.corners()),
+                corners=np.array(seen),
             )
         )
 

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from seamark.sim.camera import Camera, Optics, Target, Water
 from seamark.sim.control.manipulation.kinematics import rotation
 from seamark.sim.control.manipulation.sight import Pinhole, Seen, find, find_tilted
+from tests.sim.control.manipulation.pinhole import projected
 
 OPTICS = Optics(width=320, height=240, focal_px=190.0, mount_m=(1.25, -0.35, 0.2))
 TARGET = Target(length_m=0.3, width_m=0.2, height_m=0.2, heading_rad=0.7)
@@ -54,11 +55,9 @@ def test_a_tilted_one_is_found_with_its_tilt_whatever_the_attitude(
     tilt = Rotation.from_rotvec([*about, 0.0]) * Rotation.from_euler("z", yaw)
     x, y = 0.5 * np.array(SIZE_M)
     corners = centre + tilt.apply([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)])
-    body = np.array(rotation(*attitude, 0.0))
-    ahead, side, below = (corners @ body - CAMERA.mount_m).T
-    pixels = np.stack([side / below, -ahead / below], axis=1) * CAMERA.focal_px + CAMERA.centre_px
+    pixels = projected(CAMERA, (*attitude, 0.0), corners)
 
-    seen = find_tilted(pixels.ravel().tolist(), SIZE_M, CAMERA, rotation(*attitude, 0.0))
+    seen = find_tilted(pixels, SIZE_M, CAMERA, rotation(*attitude, 0.0))
 
     assert seen is not None
     assert seen.centre == pytest.approx(centre, abs=1e-9)
