@@ -33,7 +33,7 @@ GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
 }  # fmt: skip
 
 
-def _segments(text: str, *, x: float, y: float, height: float, pitch: float) -> list[Segment]:
+def strokes(text: str, *, x: float, y: float, height: float, pitch: float) -> list[Segment]:
     """Return the strokes of a text whose first letter has its upper left corner at (x, y)."""
     unit = height / 6
     segments = []
@@ -169,7 +169,7 @@ def face(
     out = _with_rim_and_bolts((u, v), wide, BLACK, (0.05, 0.11), (0.16, 0.055, 0.42))
     if wide < 2:
         return _smoothed(_smoothed(_averaged(out)))
-    for stroke in _segments(TEXT, x=0.32, y=0.26, height=0.44, pitch=0.345):
+    for stroke in strokes(TEXT, x=0.32, y=0.26, height=0.44, pitch=0.345):
         near = _around(u, v, stroke, 0.042)
         out[near] = _painted(out[near], _distance(u[near], v[near], stroke), 0.042, WHITE)
     across, down = u[0], v[:, 0]
@@ -196,7 +196,7 @@ def label(
     height = min(0.5, 0.8 * wide / 5.5)
     left, top = 0.5 * (wide - 5.4 * height), 0.42 - 0.5 * height
     half = 0.095 * height
-    for stroke in _segments(TEXT, x=left, y=top, height=height, pitch=0.784 * height):
+    for stroke in strokes(TEXT, x=left, y=top, height=height, pitch=0.784 * height):
         near = _around(u, v, stroke, half)
         out[near] = _painted(out[near], _distance(u[near], v[near], stroke), half, ink)
     across, down = u[0], v[:, 0]
