@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.manifest import versions
 from seamark.sim.recording.telemetry import Column, Rows
+from seamark.sim.vehicles.patterns import CLASSES
 
 BLOCK_ROWS = 10_000  # read at a time: 4 MB
 FRAMES = "world: north, east, down (NED); body: x forward, y starboard, z down"
@@ -72,8 +73,23 @@ class Recording:
 
     @property
     def dtype(self) -> np.dtype[np.void]:
-        """The type of a row with named columns."""
-        return np.dtype([(column.name, _TYPE) for column in self.columns])
+        """The type of a row with named columns.
+
+        Those of a detector are nested, `row["object"][0]["x0"]`: NumPy loads no array with so many
+        fields, since their names are more than 10,000 characters.
+        """
+        detections = telemetry.detections_slice(self.width)
+        nested: list[Any] = [
+            ("object", _fields(telemetry.OBJECT_COLUMNS), (len(CLASSES),)),
+            ("answer", _fields(telemetry.ANSWER_COLUMNS), (telemetry.ANSWERS,)),
+        ]
+        return np.dtype(
+            [
+                *_fields(self.columns[: detections.start]),
+                *(nested if telemetry.has_detections(self.width) else ()),
+                *_fields(self.columns[detections.stop :]),
+            ]
+        )
 
     def blocks(self, size: int = BLOCK_ROWS) -> Iterator[Rows]:
         """Yield all rows in order, at most `size` at a time; raises RowsGone."""
@@ -105,3 +121,7 @@ class Recording:
         }
         told |= {name: manifest[name] for name in ("seed", "trials", "digest") if name in manifest}
         return json.dumps(told, sort_keys=True, allow_nan=False)
+
+
+def _fields(columns: Sequence[Column]) -> list[tuple[str, str]]:
+    return [(column.name, _TYPE) for column in columns]

@@ -16,7 +16,13 @@ _LITTLE_ENDIAN = b"\x00\x01"  # how a message of CDR begins
 _HEAD_BYTES = 4
 _FRAME_AT = 8  # length of the name of the frame, after the stamp
 _THRUSTERS_MAX = 32
-_WIDTHS = range(telemetry.WIDTH, telemetry.width_for(_THRUSTERS_MAX, arm=True, work=True) + 1)
+_ARMS = ((False, False), (True, False), (True, True))  # without one, with one, and at work
+_WIDTHS = frozenset(
+    telemetry.width_for(thrusters, arm=arm, work=work, detections=detections)
+    for thrusters in range(_THRUSTERS_MAX + 1)
+    for arm, work in _ARMS
+    for detections in (False, True)
+)
 
 
 def read(messages: Iterable[bytes]) -> list[Samples]:

@@ -19,6 +19,7 @@ from seamark.sim.physics.dynamics import RIGID, write_current
 from seamark.sim.recording.telemetry import (
     ARM_WIDTH,
     COMMON_THRUSTERS,
+    DETECTION_WIDTH,
     INDEX,
     WIDTH,
     WORK_WIDTH,
@@ -180,9 +181,11 @@ def thrust_column(thruster: int, width: int) -> int:
     """Return where a row of this width has the thrust of a thruster; see `telemetry.columns`."""
     if thruster < COMMON_THRUSTERS:
         return _THRUST + thruster
-    first = WIDTH if width < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
-    if width >= WIDTH + ARM_WIDTH + WORK_WIDTH:
+    detections = DETECTION_WIDTH if width >= WIDTH + DETECTION_WIDTH else 0
+    first = WIDTH if width - detections < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
+    if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH:
         first += WORK_WIDTH
+    first += detections
     return first + thruster - COMMON_THRUSTERS
 
 

@@ -5,9 +5,10 @@ the program's velocity reference and the thrust acting at that moment. Positions
 frame (NED), velocities in the body frame.
 
 Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with an arm
-has `ARM_WIDTH` further columns, and one with more thrusters has theirs at the end. These are fewer
-than those of an arm, so the width of a row says which columns it has, and rows of all versions and
-vehicles can be read alike.
+has `ARM_WIDTH` further columns, one that works on something `WORK_WIDTH` more, a row of a detector
+`DETECTION_WIDTH` more, and a vehicle with more thrusters has theirs at the end. These are fewer
+than the columns of any group, and those of a detector more than all others together, so the width
+of a row says which columns it has, and rows of all versions and vehicles can be read alike.
 """
 
 import hashlib
@@ -18,11 +19,14 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
+from seamark.sim.vehicles.patterns import CLASSES
+
 Rows = NDArray[np.float64]  # (k, WIDTH or more)
 OnRows = Callable[[Rows], None]
 
 COMMON_THRUSTERS = 8  # thrust columns in every row, whatever the vehicle; part of the file format
 ARM_JOINTS, ARM_FEELERS = 8, 4  # in every row with an arm, whatever the arm
+ANSWERS = 16  # of a detector to one image that are kept
 _WIDTH_BYTES = 4
 _POINT_MIN, _POINT_END = 1e-4, 1e16  # between them Python writes a float without an exponent
 DELIVERED_ROWS = 20  # at once: 1 s of simulated time at 20 Hz
@@ -127,10 +131,42 @@ WORK_COLUMNS: tuple[Column, ...] = (
     Column("work_push_n", "N", "magnitude of the net contact force of the arm on it, mean as well"),
     *_vector("work_fx work_fy work_fz", "N", "this net force, world frame"),
 )
+_CORNERS = "x0 y0 x1 y1 x2 y2 x3 y3"
+OBJECT_COLUMNS: tuple[Column, ...] = (
+    Column("state", "", "object of one class: 0 not in the image, 1 counts, 2 is ignored"),
+    *_vector(_CORNERS, "px", "true corners of its plan rectangle; nan while it is not in view"),
+    Column("visible", "", "share of it that is in the image and not covered, 0 to 1"),
+    Column("distance", "m", "distance of the camera from its centre"),
+    Column("angle", "rad", "angle between the line of sight to its centre and its normal"),
+)
+ANSWER_COLUMNS: tuple[Column, ...] = (
+    Column("label", "", "answer, most confident first: index of the class; -1 if there is none"),
+    Column("confidence", "", "its confidence, 0 to 1"),
+    *_vector(_CORNERS, "px", "its corners"),
+    Column("outcome", "", "0 no answer, 1 hit, 2 false alarm, 3 ignored"),
+    Column("iou", "", "its intersection over union with the object of its class, by bounding box"),
+    Column("error", "px", "root mean square error of the corners of a hit, else nan"),
+    Column("on", "", "what it lies on: index of the class, 100 + index of the decoy, -1 nothing"),
+)
+
+
+def _each(name: str, count: int, group: tuple[Column, ...]) -> tuple[Column, ...]:
+    return tuple(
+        Column(f"{name}_{index}_{one.name}", one.unit, one.meaning)
+        for index in range(count)
+        for one in group
+    )
+
+
+DETECTION_COLUMNS: tuple[Column, ...] = (
+    *_each("object", len(CLASSES), OBJECT_COLUMNS),
+    *_each("answer", ANSWERS, ANSWER_COLUMNS),
+)
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
 ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
+DETECTION_WIDTH = len(DETECTION_COLUMNS)
 _WORK_START = WIDTH + ARM_WIDTH
 WORK_INDEX: dict[str, int] = {
     column.name: _WORK_START + at for at, column in enumerate(WORK_COLUMNS)
@@ -139,27 +175,42 @@ STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
+def has_detections(width: int) -> bool:
+    """Return whether rows of this width are those of a detector."""
+    return width >= WIDTH + DETECTION_WIDTH
+
+
+def _without_detections(width: int) -> int:
+    return width - has_detections(width) * DETECTION_WIDTH
+
+
 def has_arm(width: int) -> bool:
     """Return whether rows of this width are those of a vehicle with an arm."""
-    return width >= WIDTH + ARM_WIDTH
+    return _without_detections(width) >= WIDTH + ARM_WIDTH
 
 
 def has_work(width: int) -> bool:
     """Return whether rows of this width are those of an arm that works on something."""
-    return width >= WIDTH + ARM_WIDTH + WORK_WIDTH
+    return _without_detections(width) >= WIDTH + ARM_WIDTH + WORK_WIDTH
+
+
+def _before_detections(width: int) -> int:
+    return WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
 
 
 def _before_thrusts(width: int) -> int:
     """Return how many columns come before those of further thrusters."""
-    return WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
+    return _before_detections(width) + has_detections(width) * DETECTION_WIDTH
 
 
 def columns(width: int) -> tuple[Column, ...]:
     """Return the columns of rows of this width."""
     arm = ARM_COLUMNS if has_arm(width) else ()
     work = WORK_COLUMNS if has_work(width) else ()
-    more = width - _before_thrusts(width)
-    return (*COLUMNS, *arm, *work, *map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + more)))
+    detections = DETECTION_COLUMNS if has_detections(width) else ()
+    thrusters = COMMON_THRUSTERS + width - _before_thrusts(width)
+    further = map(_thrust, range(COMMON_THRUSTERS, thrusters))
+    return (*COLUMNS, *arm, *work, *detections, *further)
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -167,13 +218,30 @@ def names(width: int) -> tuple[str, ...]:
     return tuple(column.name for column in columns(width))
 
 
-def width_for(thrusters: int, *, arm: bool = False, work: bool = False) -> int:
+def width_for(
+    thrusters: int, *, arm: bool = False, work: bool = False, detections: bool = False
+) -> int:
     """Return the width of a row for a vehicle with this number of thrusters.
 
-    `arm` is whether it has an arm, `work` whether that works on something.
+    `arm` is whether it has an arm, `work` whether that works on something, `detections` whether a
+    detector answers its images.
     """
-    own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH
+    own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH + detections * DETECTION_WIDTH
     return own + max(thrusters - COMMON_THRUSTERS, 0)
+
+
+def detections(rows: Rows) -> Rows:
+    """Return the columns of a detector in a row or rows that have them, (..., DETECTION_WIDTH).
+
+    It is a view: what is written to it is written to the rows.
+    """
+    return rows[..., detections_slice(rows.shape[-1])]
+
+
+def detections_slice(width: int) -> slice:
+    """Return where rows of this width have the columns of a detector; empty if they have none."""
+    first = _before_detections(width)
+    return slice(first, first + has_detections(width) * DETECTION_WIDTH)
 
 
 def numbered(name: str, count: int) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 import importlib.metadata
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from dataclasses import fields as fields_of
 from functools import lru_cache
 from itertools import groupby
@@ -44,6 +44,7 @@ from seamark.sim.control import observation
 from seamark.sim.metrics import station_keeping, tracking
 from seamark.sim.physics import constants
 from seamark.sim.recording import telemetry
+from seamark.sim.vehicles.patterns import CLASSES, DECOYS
 from seamark.sim.vehicles.urdf import urdf_of
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
@@ -223,7 +224,21 @@ def _scores() -> Iterator[tuple[Benchmark, str]]:
 def _telemetry() -> dict[str, Any]:
     columns = [(one.name, one.unit, one.meaning) for one in telemetry.COLUMNS]
     arm, work = _alike(telemetry.ARM_COLUMNS), _alike(telemetry.WORK_COLUMNS)
-    return {"columns": columns, "arm_columns": arm, "work_columns": work}
+    return {
+        "columns": columns,
+        "arm_columns": arm,
+        "work_columns": work,
+        "object_columns": _alike(_numbered("object", telemetry.OBJECT_COLUMNS)),
+        "answer_columns": _alike(_numbered("answer", telemetry.ANSWER_COLUMNS)),
+        "answers": telemetry.ANSWERS,
+        "classes": [*CLASSES],
+        "decoys": [*DECOYS],
+    }
+
+
+def _numbered(name: str, columns: Iterable[telemetry.Column]) -> Iterator[telemetry.Column]:
+    """Iterate over columns of which rows have several sets, with N for the number of the set."""
+    return (replace(column, name=f"{name}_N_{column.name}") for column in columns)
 
 
 def _alike(columns: Iterable[telemetry.Column]) -> list[tuple[str, str, str]]:

@@ -64,7 +64,7 @@ def _width(files: RunFiles, config: Configuration) -> int:
     if files.row_count():
         return len(files.columns)
     if not isinstance(config, ExperimentSettings):
-        return telemetry.width_for(telemetry.COMMON_THRUSTERS)
+        return config.telemetry_shape()[1]
     arm, work = config.chosen_arm() is not None, config.has_workpiece()
     return telemetry.width_for(telemetry.COMMON_THRUSTERS, arm=arm, work=work)
 

@@ -69,10 +69,10 @@ class RunFiles:
         """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
         written = self._written_names()
         thrusters = sum(name.startswith("thrust_") for name in written)
-        arm, work = (
-            first.name in written for first in (telemetry.ARM_COLUMNS[0], telemetry.WORK_COLUMNS[0])
-        )
-        return telemetry.names(telemetry.width_for(thrusters, arm=arm, work=work))
+        optional = telemetry.ARM_COLUMNS, telemetry.WORK_COLUMNS, telemetry.DETECTION_COLUMNS
+        arm, work, detections = (group[0].name in written for group in optional)
+        width = telemetry.width_for(thrusters, arm=arm, work=work, detections=detections)
+        return telemetry.names(width)
 
     def attempts(self) -> list[int]:
         """Return the attempts that have files."""

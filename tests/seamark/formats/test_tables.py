@@ -1,5 +1,6 @@
 """Parquet, NPZ and MAT, read by the programs that people open them with."""
 
+import importlib
 import json
 import subprocess
 import sys
@@ -16,10 +17,10 @@ import pyarrow.parquet as pq
 import pytest
 import scipy  # its parts are loaded when they are used
 
-from seamark.formats import parquet
+from seamark.formats import npz, parquet
 from seamark.formats.recording import FormatRefused, Recording, RowsGone
 from seamark.formats.registry import FORMATS
-from seamark.sim.recording.telemetry import COLUMNS, NAMES, Rows
+from seamark.sim.recording.telemetry import COLUMNS, NAMES, Rows, detections, names, width_for
 
 Written = Callable[[str], BytesIO]
 
@@ -147,3 +148,52 @@ def test_the_names_of_the_formats_load_no_library() -> None:
     code = f"import sys, seamark.formats.registry; sys.exit(len({heavy} & set(sys.modules)))"
 
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.fixture
+def detector(recording: Recording) -> tuple[Recording, Rows]:
+    """The rows of a detector of a vehicle with everything that adds columns."""
+    width = width_for(10, arm=True, work=True, detections=True)
+    wide = np.random.default_rng(3).normal(size=(recording.row_count, width))
+    detections(wide)[::2] = np.nan
+    return replace(recording, width=width, read=lambda start, stop: wide[start:stop]), wide
+
+
+@pytest.mark.parametrize(
+    ("format_name", "read"),
+    [
+        ("csv", lambda path: pd.read_csv(path, comment="#")),
+        ("parquet", pd.read_parquet),
+        ("mat", lambda path: scipy.io.loadmat(path, squeeze_me=True)),
+    ],
+)
+def test_every_format_has_the_columns_of_a_detector(
+    detector: tuple[Recording, Rows], format_name: str, read: Callable[[Path], Any], tmp_path: Path
+) -> None:
+    recorded, rows = detector
+    path = tmp_path / "file"
+    with path.open("wb") as file:
+        importlib.import_module(FORMATS[format_name].module).write(recorded, file)
+
+    found = read(path)
+
+    for name, column in zip(names(rows.shape[1]), rows.T, strict=True):
+        assert np.array_equal(np.asarray(found[name]), column, equal_nan=True), name
+
+
+def test_numpy_loads_the_rows_of_a_detector_with_nested_columns(
+    detector: tuple[Recording, Rows], tmp_path: Path
+) -> None:
+    recorded, rows = detector
+    path = tmp_path / "file.npz"
+    with path.open("wb") as file:
+        npz.write(recorded, file)
+
+    found = np.load(path)["telemetry"]
+
+    assert_same_bits(found.view(np.float64).reshape(rows.shape), rows)
+    at = names(rows.shape[1]).index
+    assert_same_bits(found["object"]["distance"][:, 7], rows[:, at("object_7_distance")].copy())
+    assert_same_bits(found["answer"]["y3"][:, 15], rows[:, at("answer_15_y3")].copy())
+    assert_same_bits(found["work_fz"], rows[:, at("work_fz")].copy())
+    assert_same_bits(found["thrust_9"], rows[:, at("thrust_9")].copy())

@@ -1,5 +1,7 @@
 """Telemetry reads back as it was written, for a vehicle with any number of thrusters."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,6 +19,7 @@ from seamark.sim.recording.telemetry import (
     Recorder,
     Rows,
 )
+from seamark.sim.vehicles.reading import THRUSTERS_MAX
 from tests import telemetry_csv
 
 finite_rows = arrays(
@@ -105,6 +108,55 @@ def test_every_thruster_has_a_column_and_none_of_the_others_moves(thrusters: int
     assert len(names) == len(set(names)) == width
     assert names[:WIDTH] == NAMES
     assert set(telemetry.thrust_names(thrusters)) <= set(names)
+
+
+def test_the_width_of_rows_says_which_columns_they_have() -> None:
+    arms = [(False, False), (True, False), (True, True)]
+    kinds = [
+        (thrusters, arm, work, detections)
+        for thrusters, (arm, work), detections in product(
+            range(COMMON_THRUSTERS, THRUSTERS_MAX + 1), arms, [False, True]
+        )
+    ]
+
+    widths = [
+        telemetry.width_for(thrusters, arm=arm, work=work, detections=detections)
+        for thrusters, arm, work, detections in kinds
+    ]
+
+    assert len(set(widths)) == len(widths)
+    for kind, width in zip(kinds, widths, strict=True):
+        names = telemetry.names(width)
+        found = sum(name.startswith("thrust_") for name in names)
+        has = telemetry.has_arm(width), telemetry.has_work(width), telemetry.has_detections(width)
+        assert (found, *has) == kind
+        assert len(set(names)) == len(names) == width
+
+
+@pytest.mark.parametrize(("arm", "work"), [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize("thrusters", [COMMON_THRUSTERS, COMMON_THRUSTERS + 2, THRUSTERS_MAX])
+def test_detections_are_the_columns_with_their_names(arm: bool, work: bool, thrusters: int) -> None:
+    rows = np.zeros((2, telemetry.width_for(thrusters, arm=arm, work=work, detections=True)))
+    telemetry.detections(rows)[:] = 1.0
+    telemetry.detections(rows[1])[:] = 2.0
+
+    filled = [
+        name for name, row in zip(telemetry.names(rows.shape[1]), rows.T, strict=True) if row.any()
+    ]
+    assert filled == [column.name for column in telemetry.DETECTION_COLUMNS]
+    assert set(rows[1]) == {0.0, 2.0}
+
+
+def test_rows_of_a_detector_have_an_object_of_each_class_and_sixteen_answers() -> None:
+    names = [column.name for column in telemetry.DETECTION_COLUMNS]
+    corners = ["x0", "y0", "x1", "y1", "x2", "y2", "x3", "y3"]
+
+    objects = ["state", *corners, "visible", "distance", "angle"]
+    answers = ["label", "confidence", *corners, "outcome", "iou", "error", "on"]
+    assert names == [
+        *(f"object_{index}_{name}" for index in range(8) for name in objects),
+        *(f"answer_{index}_{name}" for index in range(16) for name in answers),
+    ]
 
 
 @pytest.mark.parametrize("thrusters", [COMMON_THRUSTERS, COMMON_THRUSTERS + 2])

@@ -9,7 +9,7 @@ import pytest
 from seamark.programs.arm_helpers import helper
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.sandbox.limits import MEANING, Limits
-from seamark.sim.recording.telemetry import WORK_COLUMNS
+from seamark.sim.recording.telemetry import ANSWER_COLUMNS, OBJECT_COLUMNS, WORK_COLUMNS
 from tests.server.pages.conftest import Site
 
 NAMES = [field.name for field in fields(Limits)]
@@ -28,11 +28,15 @@ def test_a_page_lists_every_limit_once_with_its_meaning(site: Site, page: str) -
     assert len({label for label, _ in rows}) == len(NAMES)
 
 
-def test_the_page_of_the_telemetry_has_every_column_of_what_an_arm_works_on(site: Site) -> None:
+def test_the_page_of_the_telemetry_has_every_column_of_arms_and_detectors(site: Site) -> None:
     page = site.browser().get("/docs/telemetry").text
 
     ranges = re.findall(r"<code>(\w+)(?: to (\w+))?</code>", page)
-    names = [column.name for column in WORK_COLUMNS]
+    names = [
+        *(column.name for column in WORK_COLUMNS),
+        *(f"object_N_{column.name}" for column in OBJECT_COLUMNS),
+        *(f"answer_N_{column.name}" for column in ANSWER_COLUMNS),
+    ]
     shown = [
         name
         for first, last in ranges
