@@ -13,14 +13,16 @@ from seamark.sandbox.languages.inside.wire import MAX_VALUE
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome
 from seamark.sandbox.pool import Pool
-from seamark.sandbox.protocol.answers import Corners, Loss
+from seamark.sandbox.protocol.answers import Corners, Detection, Loss
 from seamark.sim.control.observation import Images
 from seamark.sim.engine.program import Command
 from seamark.sim.trackers import Track, Window
 from seamark.sim.trackers.template.warps import is_convex
+from seamark.sim.vehicles.patterns import CLASSES
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 
 LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which the limits of warm boxes suffice
+NAMED_LABELS, LABEL_SHOWN = 5, 20  # [label], [character] in the note about unknown labels
 
 
 class BoxLike(Protocol):
@@ -38,6 +40,7 @@ class BoxLike(Protocol):
     def show(self, images: Images) -> None: ...  # noqa: D102
     def start(self, image: Any, corners: Any) -> None: ...  # noqa: D102
     def update(self, image: Any) -> Corners | Loss: ...  # noqa: D102
+    def detect(self, image: Any) -> list[Detection]: ...  # noqa: D102
     def finish(self) -> Outcome: ...  # noqa: D102
     def take_output(self) -> bytes: ...  # noqa: D102
     def close(self) -> None: ...  # noqa: D102
@@ -128,10 +131,53 @@ class TrackerAdapter:
         )
 
 
+class DetectorAdapter:
+    """What finds things in images, over a box.
+
+    A detection whose label is no class can be no hit: the metrics leave it out of the score, and
+    the owner is told. What is no detection at all ends the run: raises ProgramEnded.
+    """
+
+    def __init__(self, box: BoxLike) -> None:
+        self._box = box
+        self._answers = self._with_unknown = 0
+        self._unknown: list[str] = []  # the first ones, and one more if there are others
+
+    def detect(self, image: NDArray[np.uint8]) -> list[Detection]:
+        """Return what the program finds, as it says it; raises ProgramEnded."""
+        found = self._box.detect(image)
+        unknown = [one.label for one in found if one.label not in CLASSES]
+        self._answers += 1
+        self._with_unknown += bool(unknown)
+        for label in unknown:
+            if label not in self._unknown and len(self._unknown) <= NAMED_LABELS:
+                self._unknown.append(label)
+        return found
+
+    def note(self) -> str:
+        """Return how many answers had labels that are no class and which, if any."""
+        if not self._unknown:
+            return ""
+        named = [_shortened(label) for label in self._unknown[:NAMED_LABELS]]
+        named += ["others"] if len(self._unknown) > NAMED_LABELS else []
+        return (
+            f"[{self._with_unknown} of {self._answers} answers of detect() have labels that are no "
+            f"class: {', '.join(named)}. They are left out of the score. The classes are "
+            f"{', '.join(CLASSES)}.]\n"
+        )
+
+
+def _shortened(label: str) -> str:
+    return (
+        label if len(label) <= LABEL_SHOWN else f"{label[: LABEL_SHOWN - 1]}\N{HORIZONTAL ELLIPSIS}"
+    )
+
+
 # role of a program -> the adapter that makes its box a participant of a benchmark
 ADAPTERS: Mapping[str, Callable[[BoxLike], Any]] = {
     "controller": ControllerAdapter,
     "tracker": TrackerAdapter,
+    "detector": DetectorAdapter,
 }
 
 

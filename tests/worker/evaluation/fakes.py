@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.protocol.answers import Corners, Loss
+from seamark.sandbox.protocol.answers import Corners, Detection, Loss
 from seamark.sim.engine.program import Command
 
 SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
@@ -50,6 +50,9 @@ class FakeBox:
 
     def update(self, image: Any) -> Corners | Loss:
         return Loss.REPORTED
+
+    def detect(self, image: Any) -> list[Detection]:
+        return []
 
     def finish(self) -> Outcome:
         return Outcome(verdict=Verdict.OK, sentence="fine")
