@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import scipy.linalg
@@ -13,7 +14,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from tests.sandbox.languages.python.networks import policy, weights
+from tests.sandbox.languages.python.networks import heat_map, kernels, policy, weights
 
 pytestmark = pytest.mark.host
 
@@ -91,6 +92,27 @@ class Controller:
 """
 
 
+SEEING = """
+import numpy as np
+import onnxruntime
+
+class Detector:
+    def __init__(self, config):
+        self.session = onnxruntime.InferenceSession("heat_map.onnx")
+
+    def detect(self, image):
+        x = (image / np.float32(255))[None, None]
+        (maps,) = self.session.run(None, {"x": x})[0]
+        found = []
+        for number, one in enumerate(maps):
+            row, column = np.unravel_index(one.argmax(), one.shape)
+            left, top = 16.0 * column, 16.0 * row
+            corners = [[left, top], [left + 15, top], [left + 15, top + 15], [left, top + 15]]
+            found.append((f"class {number}", corners, min(float(one.max()), 1.0)))
+        return found
+"""
+
+
 @pytest.fixture
 def box(isolation: IsolationLevel) -> Iterator[Box]:
     core = min(os.sched_getaffinity(0))  # as for a run
@@ -142,6 +164,43 @@ def test_a_learned_policy_runs_with_onnx_runtime(box: Box) -> None:
     assert answer == pytest.approx(np.tanh(np.float32(VALUES[1:]) @ first) @ second, abs=1e-5)
     assert outcome.output == b""  # the library's complaints about the box are not in the log
     assert outcome.verdict is Verdict.OK
+
+
+def test_a_learned_detector_runs_with_onnx_runtime_in_one_thread(box: Box) -> None:
+    files = {"detector.py": SEEING.encode(), "heat_map.onnx": heat_map()}
+    image = scene()
+
+    box.load(normal_form(files, limits=Limits()), "mine.zip", {}, {"role": "detector"})
+    found, again = box.detect(image), box.detect(image)
+
+    assert found == again
+    assert [one.label for one in found] == [f"class {number}" for number in range(8)]
+    wanted = [hottest(one) for one in heat(image)]
+    assert [one.corners[0] for one in found] == wanted
+    assert [len(os.listdir(f"/proc/{pid}/task")) for pid in box.processes()] == [1, 1]
+    assert box.usage().memory_mib < Limits().memory_mib / 4
+    assert box.finish().output == b""
+
+
+def heat(image: np.ndarray) -> np.ndarray:
+    """Return the maps of the network, computed by OpenCV."""
+    maps = [image.astype(np.float64) / 255.0]
+    for layer in kernels():
+        maps = [
+            np.maximum(sum(map(strided, maps, kernel)), 0.0)  # type: ignore[arg-type]
+            for kernel in layer
+        ]
+    return np.array(maps)
+
+
+def strided(channel: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    border = cv2.BORDER_CONSTANT
+    return cv2.filter2D(channel, -1, kernel.astype(np.float64), borderType=border)[::2, ::2]
+
+
+def hottest(one: np.ndarray) -> tuple[float, float]:
+    row, column = np.unravel_index(one.argmax(), one.shape)
+    return 16.0 * column, 16.0 * row
 
 
 def test_libraries_start_no_threads_of_their_own(box: Box) -> None:
