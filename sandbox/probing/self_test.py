@@ -1,11 +1,12 @@
 """Whether this host can run a language: its self-test program must give the expected answers.
 
-As a controller, to one step: half the error. As a tracker, if the language has that role, to one
-image: the corners moved by the first pixel of the second row. If the configuration asks for
-`contents`, it prints a line for each component of its box: kind, name, version, with tabs between.
+As a controller, to one step: half the error. In the other roles that the language has, to one
+image: as a tracker, the corners moved by the first pixel of the second row; as a detector, one
+detection whose corners count on from that pixel. If the configuration asks for `contents`, it
+prints a line for each component of its box: kind, name, version, with tabs between.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -13,9 +14,10 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
-from seamark.sandbox.languages.language import TRACKER
+from seamark.sandbox.languages.language import DETECTOR, TRACKER
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
+from seamark.sandbox.protocol.answers import Detection
 
 LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
 LAYOUT = {
@@ -26,11 +28,11 @@ OBSERVATION = (0.0, 1.0, -2.0, 3.0)
 COMMAND = (0.5, -1.0, 1.5, 0.0)  # half the error
 KINDS = ("interpreter", "compiler", "library")
 COMPILER = "compiler"
-TRACKER_LAYOUT = {"role": TRACKER}
 WIDTH, SECOND_ROW = 7, 3  # [px] of the image; grey value
 IMAGE = bytes(WIDTH) + bytes([SECOND_ROW]) * WIDTH
 CORNERS = ((1.0, 2.0), (3.0, 2.5), (3.0, 4.0), (1.0, 4.0))  # [px]
 MOVED = tuple((x + SECOND_ROW, y + SECOND_ROW) for x, y in CORNERS)
+FOUND = [Detection("row", ((3.0, 4.0), (5.0, 6.0), (7.0, 8.0), (9.0, 10.0)), 0.5)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +68,18 @@ def tried(language: str, isolation: IsolationLevel) -> Result:
         source = known.self_test.upload()
         program = compiled(known.sample_compiler, source, name, isolation=isolation)
         command, printed = answer(LAYOUT, lambda box: box.step(OBSERVATION), contents=True)
-        moved = answer(TRACKER_LAYOUT, _track)[0] if TRACKER in known.roles else MOVED
+        seen = {
+            role: answer({"role": role}, ask)[0]
+            for role, (ask, _) in _IMAGE_ROLES.items()
+            if role in known.roles
+        }
     except (SandboxBroken, ProgramEnded) as error:
         return Result(str(error))
     if command != COMMAND:
         return Result(f"the self-test answered {command}, not {COMMAND}")
-    if moved != MOVED:
-        return Result(f"the self-test's tracker answered {moved}, not {MOVED}")
+    for role, answered in seen.items():
+        if answered != (expected := _IMAGE_ROLES[role][1]):
+            return Result(f"the self-test's {role} answered {answered}, not {expected}")
     compiles = known.compiler is not None
     components = tuple(one for one in _components(printed) if compiles or one.kind != COMPILER)
     return Result("", components)
@@ -86,6 +93,20 @@ def _components(printed: bytes) -> Iterator[Component]:
 
 
 def _track(box: Box) -> object:
-    image = memoryview(IMAGE).cast("B", (2, WIDTH))
-    box.start(image, CORNERS)
-    return box.update(image)
+    box.start(_image(), CORNERS)
+    return box.update(_image())
+
+
+def _detect(box: Box) -> object:
+    return box.detect(_image())
+
+
+def _image() -> memoryview:
+    return memoryview(IMAGE).cast("B", (2, WIDTH))
+
+
+# role that gets images -> what is asked, and the expected answer
+_IMAGE_ROLES: Mapping[str, tuple[Callable[[Box], object], object]] = {
+    TRACKER: (_track, MOVED),
+    DETECTOR: (_detect, FOUND),
+}

@@ -2,7 +2,14 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
+from seamark.sandbox.languages.language import (
+    ALL_ROLES,
+    DETECTOR,
+    TRACKER,
+    Calls,
+    Declarations,
+    Language,
+)
 from seamark.sandbox.languages.sample import Sample, sample
 from seamark.sandbox.limits import COMPILING
 from seamark.sandbox.runtime import Runtime
@@ -68,15 +75,17 @@ C = Language(
             heading="Starter for Embedded Coder",
         ),
         sample(HERE / "starter/tracker.c", HEADER, role=TRACKER),
+        sample(HERE / "starter/detector.c", HEADER, role=DETECTOR),
     ),
     conformance=(
         sample(HERE / "starter/controller.c"),
         Sample(files={path.name: path for path in sorted(CODER.iterdir())}, archive="pi.zip"),
         sample(HERE / "starter/tracker.c", role=TRACKER),
+        sample(HERE / "starter/detector.c", role=DETECTOR),
     ),
     roles=ALL_ROLES,
     debian_packages=GCC_PACKAGES,
-    archive_mains=("controller.c", "rtwtypes.h", "ert_main.c"),
+    archive_mains=("controller.c", "rtwtypes.h", "ert_main.c", "tracker.c", "detector.c"),
     syntax="c",
     declarations=Declarations.COMMENTS,
     in_the_box=(
@@ -100,14 +109,16 @@ CPP = Language(
             moves_arm=True,
         ),
         sample(HERE / "starter/tracker.cpp", HEADER, role=TRACKER),
+        sample(HERE / "starter/detector.cpp", HEADER, role=DETECTOR),
     ),
     conformance=(
         sample(HERE / "starter/controller.cpp"),
         sample(HERE / "starter/tracker.cpp", role=TRACKER),
+        sample(HERE / "starter/detector.cpp", role=DETECTOR),
     ),
     roles=ALL_ROLES,
     debian_packages=("g++",),
-    archive_mains=("controller.cpp", "controller.cc"),
+    archive_mains=("controller.cpp", "controller.cc", "tracker.cpp", "detector.cpp"),
     syntax="cpp",
     declarations=Declarations.COMMENTS,
     in_the_box=(

@@ -2,7 +2,14 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
+from seamark.sandbox.languages.language import (
+    ALL_ROLES,
+    DETECTOR,
+    TRACKER,
+    Calls,
+    Declarations,
+    Language,
+)
 from seamark.sandbox.languages.sample import Sample, sample
 from seamark.sandbox.runtime import Runtime
 
@@ -29,14 +36,16 @@ MATLAB = Language(
         sample(HERE / "starter/controller.m"),
         Sample(files={"controller.m": HERE / "starter/arm_controller.m"}, moves_arm=True),
         sample(HERE / "starter/tracker.m", role=TRACKER),
+        sample(HERE / "starter/detector.m", role=DETECTOR),
     ),
     conformance=(
         sample(HERE / "starter/controller.m"),
         sample(HERE / "starter/tracker.m", role=TRACKER),
+        sample(HERE / "starter/detector.m", role=DETECTOR),
     ),
     roles=ALL_ROLES,
     debian_packages=("octave",),
-    archive_mains=("controller.m",),
+    archive_mains=("controller.m", "tracker.m", "detector.m"),
     syntax="matlab",
     declarations=Declarations.COMMENTS,
     in_the_box="GNU Octave without packages and toolboxes.",

@@ -2,7 +2,14 @@
 
 from pathlib import Path
 
-from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Declarations, Language
+from seamark.sandbox.languages.language import (
+    ALL_ROLES,
+    DETECTOR,
+    TRACKER,
+    Calls,
+    Declarations,
+    Language,
+)
 from seamark.sandbox.languages.sample import Sample, sample
 from seamark.sandbox.runtime import Runtime
 
@@ -27,12 +34,14 @@ PYTHON = Language(
         sample(HERE / "starter/controller.py"),
         Sample(files={"controller.py": HERE / "starter/arm_controller.py"}, moves_arm=True),
         sample(HERE / "starter/tracker.py", role=TRACKER),
+        sample(HERE / "starter/detector.py", role=DETECTOR),
     ),
     conformance=(
         sample(HERE / "starter/controller.py"),
         sample(HERE / "conformance/tracker.py", role=TRACKER),
+        sample(HERE / "conformance/detector.py", role=DETECTOR),
     ),
-    archive_mains=("main.py", "controller.py", "tracker.py"),
+    archive_mains=("main.py", "controller.py", "tracker.py", "detector.py"),
     roles=ALL_ROLES,
     syntax="python",
     declarations=Declarations.LITERAL,

@@ -1,4 +1,4 @@
-"""Answers half the error; as a tracker, corners moved by the first pixel of the second row."""
+"""Answers half the error; a tracker and a detector answer by the first pixel of the second row."""
 
 import importlib
 import sys
@@ -36,3 +36,11 @@ class Tracker:
 
     def update(self, image):
         return self.corners + image[1, 0]
+
+
+class Detector:
+    def __init__(self, config):
+        pass
+
+    def detect(self, image):
+        return [("row", image[1, 0] + np.arange(8.0).reshape(4, 2), 0.5)]

@@ -14,7 +14,7 @@ from seamark.sandbox.languages import (
     role_refusal,
     starters,
 )
-from seamark.sandbox.languages.language import ALL_ROLES, CONTROLLER, TRACKER, Calls, Language
+from seamark.sandbox.languages.language import ALL_ROLES, CONTROLLER, Calls, Language
 from tests.sandbox.languages.folders import folder_of
 
 ROOT = Path(__file__).parents[3]
@@ -71,19 +71,22 @@ def test_it_has_a_starter_named_after_what_is_uploaded(language: Language) -> No
 
 
 @each_language
-def test_a_text_of_it_can_be_written_in_the_editor_for_each_role_with_images(
-    language: Language,
-) -> None:
+def test_a_text_of_it_can_be_written_in_the_editor_for_each_role(language: Language) -> None:
     written = {role for role in ALL_ROLES if language.name in editor_starters(role)}
 
-    assert written == ({CONTROLLER, TRACKER} & set(language.roles) if language.is_text else set())
+    assert written == (set(language.roles) if language.is_text else set())
 
 
 @each_language
-def test_it_has_a_conformance_program_for_controllers_and_for_trackers(language: Language) -> None:
-    roles = {sample.role for sample in language.conformance}
+def test_it_has_a_conformance_program_for_each_role(language: Language) -> None:
+    assert {sample.role for sample in language.conformance} == set(language.roles)
 
-    assert roles == {CONTROLLER, TRACKER} & set(language.roles)
+
+@each_language
+def test_the_name_of_each_starter_is_that_of_an_archive_with_it(language: Language) -> None:
+    names = {one.upload_name for one in language.starters if language_of(one.upload_name)}
+
+    assert not language.archive_mains or names <= set(language.archive_mains)
 
 
 @each_language

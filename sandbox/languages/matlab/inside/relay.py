@@ -35,7 +35,8 @@ from ...inside.wire import (
 )
 from .octave import FOLDER, PROGRAM_FILE
 
-ZIP_MAGIC, MAIN = b"PK\x03\x04", "controller.m"
+ZIP_MAGIC = b"PK\x03\x04"
+MAINS = ("controller.m", "tracker.m", "detector.m")  # the first that is there is the program
 NUMBER = struct.Struct("<d")
 ANSWER = struct.Struct("<5d")
 READY, FAILED, TRACK, DETECTIONS = map(ord, "kxtd")
@@ -124,8 +125,8 @@ def _write_program(filename: str, source: bytes) -> tuple[str, str]:
     if source.startswith(ZIP_MAGIC):
         with zipfile.ZipFile(io.BytesIO(source)) as archive:
             archive.extractall(FOLDER)
-        filename = main_file = MAIN
-        source = (FOLDER / MAIN).read_bytes()
+        filename = main_file = next(main for main in MAINS if (FOLDER / main).is_file())
+        source = (FOLDER / main_file).read_bytes()
     (FOLDER / main_file).write_bytes(b"1;\n" + source)
     return filename, main_file
 

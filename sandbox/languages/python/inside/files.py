@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from zipfile import ZipFile
 
 FOLDER = "/tmp/program"  # noqa: S108  (inside the box)
-MAINS = ("main.py", "controller.py", "tracker.py")  # the first that is there is the program
+# The first that is there is the program.
+MAINS = ("main.py", "controller.py", "tracker.py", "detector.py")
 MAGIC = b"PK\x03\x04"
 MAX_FILES = 1000
 MAX_BYTES = 64 << 20  # the real limit is the size of /tmp; declared sizes may be wrong

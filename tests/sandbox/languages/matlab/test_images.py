@@ -9,6 +9,7 @@ from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Detection, Loss
+from tests.sandbox.host_compiler import zipped
 
 pytestmark = pytest.mark.host
 
@@ -100,6 +101,15 @@ def test_a_detector_returns_detections_with_labels(octave) -> None:
         box.load((DETECTOR % "[one, one]").encode(), "d.m", {}, {"role": "detector"})
         assert box.detect(image_of((24, 32))) == [expected, expected]
         assert box.finish().verdict is Verdict.OK
+
+
+def test_the_main_file_of_an_archive_is_named_after_the_role(octave) -> None:
+    main = (DETECTOR % "helper(one)").encode()
+    archive = zipped({"detector.m": main, "helper.m": b"function y = helper(x)\n y = x;\nend\n"})
+    with Box("matlab", limits=Limits(), isolation=octave) as box:
+        box.load(archive, "d.zip", {}, {"role": "detector"})
+
+        assert [one.label for one in box.detect(image_of((24, 32)))] == ["box"]
 
 
 def ended(source: str, octave: IsolationLevel, role: str) -> Outcome:
