@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,32 +22,10 @@ from seamark.sim.metrics.detection import (
 )
 from seamark.sim.recording.telemetry import ANSWERS, DETECTION_COLUMNS
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
+from tests.sim.metrics.detector_rows import NOWHERE, SIZE, Answered, rectangle, seen
 
-SIZE = (400, 300)
-NOWHERE = np.full((4, 2), np.nan)
 AT = {column.name: index for index, column in enumerate(DETECTION_COLUMNS)}
 BOX, PIPE = list(CLASSES).index("box"), list(CLASSES).index("pipe")
-
-
-class Answered(NamedTuple):
-    label: str
-    corners: Any
-    confidence: float = 0.5
-
-
-def rectangle(left: float, top: float, width: float, height: float) -> NDArray[np.float64]:
-    return np.array(
-        [
-            [left, top],
-            [left + width, top],
-            [left + width, top + height],
-            [left, top + height],
-        ]
-    )
-
-
-def seen(corners: NDArray[np.float64], uncovered: float = 1.0) -> Object:
-    return Object(corners, uncovered, 1.5, 0.1)
 
 
 def matched(
