@@ -97,15 +97,25 @@ def detections(data: bytes | memoryview) -> list[Detection]:
 
 
 def _detection(label: bytes, numbers: Sequence[float], length: int) -> Detection:
-    text = label.decode("utf-8", "replace")
-    if len(label) != length or not 0 < length <= MAX_LABEL_BYTES or not text.isprintable():
+    text = _text(label) if len(label) == length else ""
+    if not 0 < length <= MAX_LABEL_BYTES or not text:
         raise MessageInvalid(
-            f"The label of a detection is not printable text of 1 to {MAX_LABEL_BYTES} bytes."
+            f"The label of a detection is not printable text of 1 to {MAX_LABEL_BYTES} bytes in "
+            "UTF-8."
         )
     *corners, confidence = numbers
     if not 0.0 <= confidence <= 1.0:
         raise MessageInvalid(f"The confidence of a detection is {confidence}, not within 0 and 1.")
     return Detection(text, _corners(corners), confidence)
+
+
+def _text(data: bytes) -> str:
+    """Return printable text in UTF-8; empty if it is none."""
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        return ""
+    return text if text.isprintable() else ""
 
 
 def _corners(numbers: Sequence[float]) -> Corners:

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
+from seamark.sandbox.languages.language import CONTROLLER, DETECTOR, TRACKER
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import tried
@@ -47,7 +49,7 @@ COMPILER = replace(COMPILING, cpu_s=2.0)  # the bombs would use up any limit
 
 
 class Ended(NamedTuple):
-    """How a program ended, and what a tracker answered."""
+    """How a program ended, and the numbers that it answered."""
 
     outcome: Outcome
     answers: list[object]
@@ -70,7 +72,7 @@ def run_case(isolation: IsolationLevel) -> Run:
         try:
             binary = compiled(program.language, source, name, isolation=at, limits=COMPILER)
             with Box(program.language, limits=limits or limits_for(program), isolation=at) as box:
-                serve = followed if program.is_tracker else stepped
+                serve = SERVED[program.role]
                 return Ended(serve(box, binary, name, program.config, answers), answers)
         except ProgramEnded as end:
             return Ended(end.outcome, answers)
@@ -138,6 +140,23 @@ def followed(
         image[:] = value
         answers.append(box.update(image))
     return box.finish()
+
+
+def looked_through(
+    box: Box, source: bytes, name: str, config: dict[str, object], answers: list[object]
+) -> Outcome:
+    """Show a detector some images."""
+    image = np.zeros((240, 320), np.uint8)
+    box.load(source, name, config, {"role": "detector"})
+    for value in range(IMAGES):
+        image[:] = value
+        found = box.detect(image)
+        assert all(one.label.isprintable() for one in found)
+        answers += [(*chain(*one.corners), one.confidence) for one in found]
+    return box.finish()
+
+
+SERVED = {CONTROLLER: stepped, TRACKER: followed, DETECTOR: looked_through}
 
 
 @pytest.fixture

@@ -141,8 +141,7 @@ def watch(reading: int, seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
 
 def command_of(case: Case, attack: Path) -> list[str]:
     """Return the command that calls a program; what it needs is in the folder."""
-    role = "tracker" if case.is_tracker else "controller"
-    suffix = case.path.suffix
+    role, suffix = case.role, case.path.suffix
     first = b"1;\n" if suffix == ".m" else b""  # Octave: a script, not one function
     (attack / f"program{suffix}").write_bytes(first + case.source)
     if suffix == ".py":
@@ -159,7 +158,7 @@ def command_of(case: Case, attack: Path) -> list[str]:
 
 def compiling(case: Case, attack: Path, suffix: str) -> list[str]:
     """Return the command that compiles a program with its caller, and starts it."""
-    kind = "-DTRACKER" if case.is_tracker else "-DMODEL" if case.name.startswith("model_") else ""
+    kind = f"-D{case.role.upper()}" if not case.name.startswith("model_") else "-DMODEL"
     caller = "caller_of_fmu.c" if case.folder == "fmu" else "caller.c"
     (attack / "caller.o").write_bytes(caller_object(caller, kind))
     parts = ["program.o", "caller.o"]

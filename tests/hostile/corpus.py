@@ -1,4 +1,4 @@
-"""The hostile programs: a folder and a table for a language's family, and for trackers.
+"""The hostile programs: a folder and a table for a language's family, for trackers and detectors.
 
 A table says of each program how it ends in a box, and what is seen when it is called outside:
 
@@ -18,12 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.languages.language import CONTROLLER, DETECTOR, TRACKER
 from tests.sandbox.host_compiler import zipped
 from tests.sandbox.languages.folders import folder_of
 
 HERE = Path(__file__).parent
-TRACKERS = "trackers"
-FOLDERS = [*dict.fromkeys(folder_of(language) for language in LANGUAGES.values()), TRACKERS]
+ROLES = {"trackers": TRACKER, "detectors": DETECTOR}  # folder of programs that get images -> role
+FOLDERS = [*dict.fromkeys(folder_of(language) for language in LANGUAGES.values()), *ROLES]
 TABLES: dict[str, dict[str, dict[str, Any]]] = {
     folder: tomllib.loads((HERE / f"{folder}.toml").read_text(encoding="utf-8"))
     for folder in FOLDERS
@@ -47,8 +48,8 @@ class Case:
         return TABLES[self.folder][self.name]
 
     @property
-    def is_tracker(self) -> bool:
-        return self.folder == TRACKERS
+    def role(self) -> str:
+        return ROLES.get(self.folder, CONTROLLER)
 
     @property
     def path(self) -> Path:
@@ -72,13 +73,19 @@ class Case:
         text = self.path.read_bytes()
         if self.attack and b"\nclass Controller" not in text:
             return text + b"\n\n" + (FRAMES / "controller.py").read_bytes()
-        if self.is_tracker and self.path.suffix == ".py" and b"\nclass Tracker" not in text:
-            return text + b"\n\n" + (FRAMES / "tracker.py").read_bytes()
-        if self.is_tracker and b"\nstatic void attack(const" in text:
-            return (FRAMES / "tracker.c").read_bytes() + text
-        if self.is_tracker and self.path.suffix == ".m" and b"= tracker_start(" not in text:
-            return text + (FRAMES / "tracker.m").read_bytes()
-        return text
+        return text if self.role == CONTROLLER else self._framed(text)
+
+    def _framed(self, text: bytes) -> bytes:
+        """Return a tracker or detector, with what stands around it if it is one function."""
+        suffix = self.path.suffix.replace(".cpp", ".c")
+        frame = (FRAMES / f"{self.role}{suffix}").read_bytes()
+        if suffix == ".m":
+            return text + frame
+        if suffix == ".c":
+            return frame + text if b" attack(const" in text else text
+        if f"\nclass {self.role.capitalize()}".encode() in text:
+            return text
+        return b"\n\n".join((text, (FRAMES / "answers.py").read_bytes(), frame))
 
     @property
     def upload(self) -> tuple[str, bytes]:

@@ -1,6 +1,6 @@
 """Every hostile program ends as its table says and achieves nothing.
 
-At the compiler, at the start, while it runs, at its end: controllers and trackers in all languages.
+At the compiler, at the start, while it runs, at its end: programs of all roles in all languages.
 """
 
 import re
@@ -12,7 +12,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, Verdict
 from seamark.sandbox.protocol.answers import Loss
-from tests.hostile.corpus import CASES, TABLES, TRACKERS, case, programs
+from tests.hostile.corpus import CASES, ROLES, TABLES, case, programs
 
 pytestmark = pytest.mark.host
 
@@ -23,7 +23,7 @@ STOPPED_BY_CGROUPS = re.compile(
     r"exhaustion_|time_|processes_(fork|threads|shell|system|kill|signal)"
 )
 GROUPS = {name.split("_", 1)[0]: name for name in sorted(TABLES["python"], reverse=True)}
-TRACKERS_AT_MEDIUM = re.compile(
+SEEING_AT_MEDIUM = re.compile(
     r"keeps_every_image.py|sleeps.py|spins.py|unprotects_image|resizes_images.c|writes_image.c"
     r"|changes_image.m"
 )
@@ -31,11 +31,11 @@ AT_MEDIUM = [
     program
     for program in CASES
     if (
-        TRACKERS_AT_MEDIUM.match(program.name)
-        if program.folder == TRACKERS
+        SEEING_AT_MEDIUM.match(program.name)
+        if program.folder in ROLES
         else STOPPED_BY_CGROUPS.match(program.name) or program.name in GROUPS.values()
     )
-    and program.folder in (TRACKERS, "python")
+    and program.folder in (*ROLES, "python")
 ]
 
 

@@ -96,10 +96,32 @@ function [command, state] = controller_step(state, observation)
 end
 """,
     ),
+    Honest(
+        "detectors",
+        "honest.py",
+        b"\ndef attack(image):\n    return None\n"
+        + b"".join((FRAMES / name).read_bytes() for name in ("answers.py", "detector.py")),
+    ),
+    Honest(
+        "detectors",
+        "honest.c",
+        (FRAMES / "detector.c").read_bytes()
+        + b"static int attack(const seamark_image *image, seamark_detection *found) { return 1; }",
+    ),
+    Honest(
+        "detectors",
+        "honest.m",
+        b"""
+function [found, state] = detector_detect(state, image)
+    found = detection();
+end
+"""
+        + (FRAMES / "detector.m").read_bytes(),
+    ),
 ]
 
 
-@pytest.mark.parametrize("program", HONEST, ids=lambda program: program.folder)
+@pytest.mark.parametrize("program", HONEST, ids=str)
 def test_an_honest_program_is_seen_to_do_nothing_outside_the_box(
     program, isolation, tmp_path, copies
 ) -> None:

@@ -1,5 +1,5 @@
-/* Calls a program in C or C++ without any guard, and says what it is given. With TRACKER, a tracker; with
- * MODEL, generated code that has no seamark.h. */
+/* Calls a program in C or C++ without any guard, and says what it is given. With TRACKER or DETECTOR, one of
+ * them; with MODEL, generated code that has no seamark.h. */
 #include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
@@ -58,6 +58,39 @@ static void call(void) {
                 report("\nCALLER: the image changed\n");
                 break;
             }
+    }
+}
+#elif defined(DETECTOR)
+#include "seamark.h"
+
+static seamark_detection found[SEAMARK_MOST_DETECTIONS];
+
+/* Say what is wrong with one detection. */
+static void look_at(const seamark_detection *one) {
+    size_t length = strnlen(one->label, SEAMARK_LABEL_BYTES);
+    look(one->corners, 8, 1e6);
+    if (!(one->confidence >= 0.0 && one->confidence <= 1.0))
+        report("\nCALLER: took the confidence %g\n", one->confidence);
+    if (length == 0 || length == SEAMARK_LABEL_BYTES) report("\nCALLER: took a label without an end\n");
+    for (size_t i = 0; i < length; i++)
+        if (one->label[i] < ' ') {
+            report("\nCALLER: took a label with the byte %#x\n", (unsigned char)one->label[i]);
+            break;
+        }
+}
+
+static void call(void) {
+    int file = memfd_create("images", 0);
+    if (ftruncate(file, 1 << 20)) return;
+    unsigned char *pixels = mmap(NULL, 1 << 20, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    seamark_image image = {pixels, 320, 240, 1};
+    for (int i = 0; i < 6; i++) {
+        memset(pixels, i, 320 * 240);
+        memset(found, 0, sizeof found);
+        int count = seamark_detect(&image, found);
+        if (count < 0 || count > SEAMARK_MOST_DETECTIONS) report("\nCALLER: took %d detections\n", count);
+        for (int j = 0; j < count && j < SEAMARK_MOST_DETECTIONS; j++) look_at(&found[j]);
+        if (!count) report("\nCALLER: took no detection\n");
     }
 }
 #else

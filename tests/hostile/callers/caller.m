@@ -7,6 +7,24 @@ function report(varargin)
     fflush(stdout);
 end
 
+% The numbers of detections; says what is wrong with their number and their labels.
+function numbers = numbers_of(found)
+    numbers = zeros(0, 1);
+    if ! isstruct(found) || numel(found) > 64
+        report("took %d detections of class %s", numel(found), class(found));
+        return
+    end
+    for one = found(:)'
+        if ! ischar(one.label) || numel(one.label) > 64 || any(one.label < 32 | one.label > 126)
+            report("took a label of %d bytes", numel(one.label));
+        end
+        if ! (one.confidence >= 0 && one.confidence <= 1)
+            report("took the confidence %g", one.confidence);
+        end
+        numbers = [numbers; double(one.corners(:)); double(one.confidence)];
+    end
+end
+
 function call(path, role)
     channel = fopen("/tmp/channel", "w");
     answers = 0;
@@ -25,6 +43,10 @@ function call(path, role)
             image = step * ones(240, 320, "uint8");
             [answer, state] = tracker_update(state, image);
             good = isequal(size(answer), [4, 2]);
+        elseif strcmp(role, "detector")
+            [found, state] = detector_detect(state, step * ones(240, 320, "uint8"));
+            answer = numbers_of(found);
+            good = true;
         else
             observation = struct("t", step / 20, "error", [0.1, 0.2, 0.3], "depth", 5, "target_visible", true);
             [answer, state] = controller_step(state, observation);
@@ -44,7 +66,7 @@ function call(path, role)
     end
     fclose(channel);
     written = stat("/tmp/channel").size / 8;
-    if written != 24 && written != 48
+    if written != 24 && written != 48 && written != 54
         report("arrived %d numbers", written);
     end
     report("finished");

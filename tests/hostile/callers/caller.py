@@ -3,6 +3,7 @@
 Arguments: the program's file, its configuration as JSON, its role.
 """
 
+import itertools
 import json
 import math
 import os
@@ -13,6 +14,7 @@ from types import ModuleType, SimpleNamespace
 import seamark  # noqa: F401  (attacks look for it)
 
 REPORT, STEPS, SLOW_S = 301, 20, 0.7
+MOST = 64  # detections of an answer, and bytes of a label
 OBSERVED = [0.1, 0.2, 0.3]
 PID = os.getpid()
 
@@ -91,6 +93,35 @@ def track(program: object) -> None:
             report("the image changed")
 
 
+def find(program: object) -> None:
+    import numpy as np
+
+    image = np.frombuffer(shared_memory(), np.uint8, 240 * 320).reshape(240, 320)
+    for value in range(6):
+        image[:] = value
+        begin = time.monotonic()
+        answer = program.detect(image)
+        looked_at(time.monotonic() - begin, answer, good=True)
+        if type(answer) is not list:
+            report(f"took {type(answer).__name__}")
+        first = list(itertools.islice(answer, MOST + 1))
+        if len(first) > MOST:
+            report(f"took more than {MOST} detections")
+        for one in first[:MOST]:
+            look_at_detection(*one)
+
+
+def look_at_detection(label: str, corners: object, confidence: float) -> None:
+    """Say what is wrong with a detection."""
+    size = len(str.encode(label, errors="surrogatepass"))
+    if not 0 < size <= MOST or not str.isprintable(label):
+        report(f"took a label of {size} bytes: {str.__repr__(label)[:40]}")
+    if not are_corners(corners):
+        report(f"took the corners {str(corners)[:100]}")
+    if not 0.0 <= confidence <= 1.0:
+        report(f"took the confidence {confidence}")
+
+
 def shared_memory():
     import mmap
 
@@ -108,10 +139,10 @@ def main() -> None:
     sys.modules["controller"] = module
     with open(path, "rb") as file:
         exec(compile(file.read(), path, "exec"), module.__dict__)  # noqa: S102
-    if role == "tracker":
-        track(module.Tracker(json.loads(config)))
-    else:
-        control(module.Controller(json.loads(config)))
+    program_class = getattr(module, role.capitalize())
+    {"controller": control, "tracker": track, "detector": find}[role](
+        program_class(json.loads(config))
+    )
     report("finished")
 
 

@@ -154,8 +154,13 @@ function numbers = seamark_corners(to, corners, limit, by)
         else
             returned_text = sprintf("a value of class %s and size %s", class(corners), mat2str(size(corners)));
         end
+        if isinf(limit)
+            wanted = "finite and real, or [] if the target is lost.";
+        else
+            wanted = "finite and real.";
+        end
         seamark_fail(to, "p", [by, " returned ", returned_text, "; corners are a matrix of 4 rows with x and y ", ...
-                               "in px, finite and real, or [] if the target is lost."], "");
+                               "in px, ", wanted], "");
     end
     numbers = double(full(corners'))(:);
 end

@@ -1,0 +1,5 @@
+"""Announces more detections than it sends."""
+
+
+def attack(image):
+    send(b"d", struct.pack("<I", 64) + packed(b"box"), THIS)
