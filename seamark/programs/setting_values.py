@@ -7,8 +7,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.position_controllers import UPLOAD
 
 Schema = Mapping[str, Any]
-SOLUTION = "controller"  # the name under which conditions know the solution
-TRACKER = "tracker"  # the setting that chooses the built-in tracker; also a role of solutions
+SOLUTION = "controller"  # the name under which conditions know the solution; also a role
 
 
 def in_effect(
@@ -19,11 +18,13 @@ def in_effect(
     Parameters
     ----------
     solution
-        The name of a built-in controller or tracker, or UPLOAD.
+        The name of a built-in solution, or UPLOAD.
     """
     chosen = {**config, SOLUTION: solution}
-    if benchmark.role == TRACKER and solution == UPLOAD:
-        chosen.pop(TRACKER, None)  # it replaces the built-in tracker, with all options of that one
+    if benchmark.role != SOLUTION and solution == UPLOAD:
+        # It replaces the built-in tracker or detector, which the setting with the name of the role
+        # chooses, with all options of that one.
+        chosen.pop(benchmark.role, None)
     properties: Mapping[str, Schema] = benchmark.schema()["properties"]
     return {
         name: entry

@@ -138,13 +138,12 @@ export class Settings {
   // run refuses them: they are not sent.
   showApplicable() {
     /** @type {(name: string) => string} */
-    const chosen = (name) => (name === "tracker" && this.hasOwnTracker ? "" : valueOfInput(this.form.elements[name]));
-    for (const field of all(this.form, "[data-applies], [data-field=tracker]", HTMLElement)) {
+    const chosen = (name) => (name === this.replaced ? "" : valueOfInput(this.form.elements[name]));
+    for (const field of all(this.form, `[data-applies], [data-field=${this.role}]`, HTMLElement)) {
       /** @type {[string, string[]][]} */
       const conditions = Object.entries(JSON.parse(field.dataset.applies ?? "{}"));
       const applies =
-        conditions.every(([name, values]) => values.includes(chosen(name))) &&
-        !(field.dataset.field === "tracker" && this.hasOwnTracker);
+        conditions.every(([name, values]) => values.includes(chosen(name))) && field.dataset.field !== this.replaced;
       field.hidden = !applies && !field.querySelector(".error");
       const condition = maybe(field, "[data-only]", HTMLElement);
       if (condition) condition.hidden = applies;
@@ -159,9 +158,15 @@ export class Settings {
     }
   }
 
-  // An own tracker takes the place of the built-in one, with all options of that one.
-  get hasOwnTracker() {
-    return this.form.dataset.role === "tracker" && valueOfInput(this.form.elements.controller) === "upload";
+  get role() {
+    return this.form.dataset.role ?? "";
+  }
+
+  // An own tracker or detector takes the place of the built-in one, with all options of that one. The
+  // setting that chooses the built-in one has the name of the role.
+  get replaced() {
+    const own = valueOfInput(this.form.elements.controller) === "upload";
+    return own && this.role !== "controller" ? this.role : "";
   }
 
   get ranked() {
