@@ -28,7 +28,8 @@ from seamark.sandbox.languages import (
     LANGUAGES,
     editor_starters,
 )
-from seamark.sandbox.languages.language import CONTROLLER, TRACKER
+from seamark.sandbox.languages.inside.wire import MAX_DETECTIONS, MAX_LABEL_BYTES
+from seamark.sandbox.languages.language import CONTROLLER, DETECTOR, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
 from seamark.server.messaging import workers
 from seamark.server.pages.docs import guides, navigation, search_index
@@ -139,6 +140,18 @@ def _tracker() -> dict[str, Any]:
         "duration_s": duration,
         "far_px": tracking.FAR_PX,
         "lost_px": tracking.LOST_PX,
+    }
+
+
+def _detector() -> dict[str, Any]:
+    return {
+        "example": editor_starters(DETECTOR)[DEFAULT_LANGUAGE].text(),
+        "classes": CLASSES,
+        "decoys": DECOYS,
+        "most": MAX_DETECTIONS,
+        "label_bytes": MAX_LABEL_BYTES,
+        "limits": list(limits_of(trial_limits.for_trial(_usual_duration_s()))),
+        "duration_s": _usual_duration_s(),
     }
 
 
@@ -258,6 +271,7 @@ PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "install": ("Install the command line", _install),
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
+    "detector": ("Write a detector", _detector),
     "languages": ("Languages", _languages),
     "box": ("In the box", _box),
     "runs": ("Runs and failures", _runs),

@@ -14,7 +14,8 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("typescript-client.md", "cpp-client.md"),
     ),
     "Write a program": (
-        *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),
+        *("controller", "tracker", "detector", "languages", "box", "protocol.md"),
+        *("bridges.md", "training.md"),
     ),
     "Runs and results": (
         *("runs", "metrics", "telemetry", "compare.md", "formats.md", "ranking.md"),

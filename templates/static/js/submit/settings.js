@@ -139,7 +139,7 @@ export class Settings {
   showApplicable() {
     /** @type {(name: string) => string} */
     const chosen = (name) => (name === this.replaced ? "" : valueOfInput(this.form.elements[name]));
-    for (const field of all(this.form, `[data-applies], [data-field=${this.role}]`, HTMLElement)) {
+    for (const field of all(this.form, `[data-applies], [data-field="${this.role}"]`, HTMLElement)) {
       /** @type {[string, string[]][]} */
       const conditions = Object.entries(JSON.parse(field.dataset.applies ?? "{}"));
       const applies =

@@ -10,6 +10,7 @@ from seamark.programs.arm_helpers import helper
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.sandbox.limits import MEANING, Limits
 from seamark.sim.recording.telemetry import ANSWER_COLUMNS, OBJECT_COLUMNS, WORK_COLUMNS
+from seamark.sim.vehicles.patterns import CLASSES
 from tests.server.pages.conftest import Site
 
 NAMES = [field.name for field in fields(Limits)]
@@ -20,12 +21,20 @@ def test_every_limit_has_a_meaning() -> None:
     assert set(MEANING) == set(NAMES)
 
 
-@pytest.mark.parametrize("page", ["controller", "tracker"])
+@pytest.mark.parametrize("page", ["controller", "tracker", "detector"])
 def test_a_page_lists_every_limit_once_with_its_meaning(site: Site, page: str) -> None:
     rows = ROW.findall(site.browser().get(f"/docs/{page}").text)
 
     assert [unescape(meaning) for _, meaning in rows] == [MEANING[name] for name in NAMES]
     assert len({label for label, _ in rows}) == len(NAMES)
+
+
+def test_the_page_about_detectors_has_every_label_and_the_starter(site: Site) -> None:
+    page = site.browser().get("/docs/detector").text
+
+    labels = re.findall(r'<th scope="row"><code>([a-z]+)</code></th>', page)
+    assert labels == [*CLASSES]
+    assert "DICT_APRILTAG_36h11" in page
 
 
 def test_the_page_of_the_telemetry_has_every_column_of_arms_and_detectors(site: Site) -> None:
