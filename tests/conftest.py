@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import structlog
 from argon2 import PasswordHasher
+from execnet import XSpec
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 from redis import Redis
@@ -24,7 +25,16 @@ from seamark.server.settings import Settings
 from seamark.sim import vehicles
 from seamark.sim.vehicles import own
 from tests.cast import Backend
-from tests.services import compiled_once, postgres, s3, scratch, tables, uploads, valkey
+from tests.services import (
+    compiled_once,
+    forked_processes,
+    postgres,
+    s3,
+    scratch,
+    tables,
+    uploads,
+    valkey,
+)
 from tests.services.late_compilation import LateCompilation
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
@@ -62,6 +72,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="list what was compiled although `tests.precompile` came before",
     )
+
+
+def pytest_xdist_setupnodes(config: pytest.Config, specs: list[XSpec]) -> None:
+    """Let the processes of the tests begin with what is loaded here, once for all."""
+    forked_processes.start(config, specs)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -62,6 +62,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "camera/test_pictures.py::test_painted_pictures_are_the_same_bytes_everywhere",
     "control/test_allocation.py::test_it_finds_the_bounded_least_squares_solution_of_scipy",
     "control/test_reference_controllers.py::test_the_oracle_holds_station_within_a_centimetre",
+    "multibody/test_loads.py::test_loads_of_the_outer_links_alone_are_those_among_all",
     "multibody/test_loads.py::test_the_bottom_carries_the_weight_of_what_lies_on_it",
     "multibody/test_dynamics.py::test_a_vehicle_without_an_arm_accelerates_as_the_plant",
     "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
