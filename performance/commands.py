@@ -49,6 +49,7 @@ OTHERS = {
     "visibility": "perception.visibility.measurement",
     "headroom": "statistics.headroom.currents",
     "intervention_headroom": "statistics.headroom.interventions",
+    "patterns_headroom": "statistics.headroom.patterns",
     "visibility_headroom": "statistics.headroom.visibility",
     "adversaries": "statistics.adversaries",
     "population": "statistics.population",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
+    "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
     "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
     "connect-v1": "seamark.sim.benchmarks.connect_v1.definition:BENCHMARK",
@@ -98,6 +99,15 @@ TRACKERS = {
 }
 TRUTH = "truth"  # not a tracker: the true corners, to test a controller alone; never ranks
 
+DETECTORS = {
+    "template": "seamark.sim.detectors.template:DETECTOR",
+}
+# Marks on the leaderboard that do not look at the image. Nobody can submit them.
+REFERENCE_DETECTORS = {
+    "nothing": "seamark.sim.detectors.references:NOTHING",
+    "random": "seamark.sim.detectors.references:RANDOM",
+}
+
 
 def benchmark(name: str) -> "Benchmark":
     """Return a benchmark by its name.
@@ -133,5 +143,6 @@ def load_all() -> None:
     for task in ("", *ARM_CONTROLLERS):
         for path in (*controllers(task).values(), *reference_controllers(task).values()):
             resolve_name(path)
-    for path in (*BENCHMARKS.values(), *TRACKERS.values()):
-        resolve_name(path).load()
+    for entries in (BENCHMARKS, TRACKERS, DETECTORS, REFERENCE_DETECTORS):
+        for path in entries.values():
+            resolve_name(path).load()

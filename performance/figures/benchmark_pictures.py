@@ -15,7 +15,7 @@ from seamark.sim import registry
 from seamark.sim.camera import start_pose
 from seamark.sim.engine.replay import CameraFrame, Image, Replay
 from seamark.sim.engine.trial import run_trial
-from seamark.sim.recording.telemetry import Rows
+from seamark.sim.recording.telemetry import ANSWER_COLUMNS, ANSWERS, Rows, detections
 
 FOLDER = Path(templates.__file__).parent / "static" / "benchmarks"
 QUALITY = 84
@@ -33,10 +33,29 @@ LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the 
 
 def picture(name: str) -> Image:
     """Return the picture of a benchmark, (H, W, 3)."""
+    if registry.benchmark(name).role == "detector":
+        return recognised(name)
     frame = at_work(name, AT_WORK_S[name]) if name in AT_WORK_S else off_station(name)
     image = frame.colour()
     corners = np.round(16.0 * frame.corners()).astype(np.int32)
     cv2.polylines(image, [corners.reshape(4, 2)], True, AMBER, 1, cv2.LINE_AA, 4)
+    return image
+
+
+def recognised(name: str) -> Image:
+    """Return the image of a bottom in clear water in which most objects count, outlined."""
+    config = registry.benchmark(name).read({})
+    levels: list[Rows] = []
+    oracle = registry.benchmark(name).load().built_in("oracle", config)
+    run_trial(name, config, oracle, seed=SEED, trial=0, on_rows=levels.append)
+    rows = levels[0]
+    answers = detections(rows)[:, -ANSWERS * len(ANSWER_COLUMNS) :].reshape(len(rows), ANSWERS, -1)
+    given = answers[:, :, 0] >= 0.0
+    best = int(given.sum(axis=1).argmax())
+    image = Replay(name, config, lambda _trial: SEED).frame(rows[best]).colour()
+    for answer in answers[best][given[best]]:
+        corners = np.round(16.0 * answer[2:10]).astype(np.int32)
+        cv2.polylines(image, [corners.reshape(4, 2)], True, AMBER, 1, cv2.LINE_AA, 4)
     return image
 
 

@@ -7,13 +7,18 @@ import gymnasium
 
 from seamark.sim import registry
 
-BENCHMARKS = {registry.benchmark(name).gym_id: name for name in registry.BENCHMARKS}
-_ENTRY_POINTS = {  # role of what takes part -> single and vectorised environment
+_ENTRY_POINTS = {  # role of what takes part -> single and vectorised environment; detectors are
+    # trained on images (`seamark dataset`), and have none
     "controller": (
         "seamark.gym.station_keeping:StationKeepingEnv",
         "seamark.gym.vector:StationKeepingVectorEnv",
     ),
     "tracker": ("seamark.gym.visual_tracking:VisualTrackingEnv", None),
+}
+BENCHMARKS = {
+    benchmark.gym_id: benchmark.name
+    for benchmark in map(registry.benchmark, registry.BENCHMARKS)
+    if benchmark.role in _ENTRY_POINTS
 }
 _INTERVENTIONS = ("seamark.gym.intervention:InterventionEnv", None)
 

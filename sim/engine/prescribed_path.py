@@ -25,15 +25,19 @@ class PrescribedPath:
         *,
         period_s: float,
         random: np.random.Generator,
+        drift: Sequence[float] = (0.0,) * 6,
     ) -> None:
         """Draw a path.
 
         Parameters
         ----------
         centre, amplitudes : (6,) [m, rad]
-            The pose never leaves `centre` by more than `amplitudes`.
+            The pose never leaves `centre` by more than `amplitudes`, apart from the drift.
+        drift : (6,) [m/s, rad/s]
+            Rate at which the centre moves, world frame.
         """
         self._centre = [float(value) for value in centre]
+        self._drift = [float(value) for value in drift]
         draws = random.random((6, 2, 2)).tolist()
         self._waves = [
             [
@@ -52,7 +56,8 @@ class PrescribedPath:
 
         Formulas: Fossen 2021, sections 2.2.1 (rotation) and 2.2.2 (rates of the Euler angles).
         """
-        pose, rate = list(self._centre), [0.0] * 6
+        pose = [c + d * t for c, d in zip(self._centre, self._drift, strict=True)]
+        rate = list(self._drift)
         for i, waves in enumerate(self._waves):
             for amplitude, frequency, phase in waves:
                 s, c = sincos(frequency * t + phase)

@@ -1,25 +1,26 @@
 """How a tracker declares itself: label, options, and what it does not support.
 
-Light: a declaration names the code of its tracker, and loads it only when a run needs it.
+Light: a declaration names the code of its tracker, and loads it only when a run needs it. Detectors
+declare themselves alike.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING
+from typing import Generic, TypeVar
 
-if TYPE_CHECKING:
-    from seamark.sim.trackers.interface import Tracker
+from seamark.sim.trackers.interface import Tracker
 
+Made_co = TypeVar("Made_co", covariant=True)
 OptionValues = Mapping[str, object]
 Errors = dict[str, str]  # option -> sentence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Option:
-    """An option of a tracker; a setting of the same name is made from it.
+    """An option of a tracker or detector; a setting of the same name is made from it.
 
-    Trackers may share an option. Its type is that of the default. `applies` restricts it to values
+    Several may share an option. Its type is that of the default. `applies` restricts it to values
     of other options.
     """
 
@@ -73,15 +74,15 @@ def _all_supported(_values: OptionValues) -> Errors:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrackerDeclaration:
-    """A tracker as the form offers it."""
+class Declaration(Generic[Made_co]):
+    """A tracker or detector as the form offers it."""
 
     label: str
-    path: str  # module:class of the tracker itself
+    path: str  # module:class of the code itself
     options: tuple[Option, ...] = ()
     exact: bool = True  # whether every x86-64 processor gives the same bits
     unavailable: Callable[[], str] = _available  # why this machine cannot run it; empty if it can
-    # combinations of options that the tracker does not support: option -> sentence
+    # combinations of options that are not supported: option -> sentence
     unsupported: Callable[[OptionValues], Errors] = _all_supported
 
     @property
@@ -89,13 +90,13 @@ class TrackerDeclaration:
         """The names of the options, in the form's order."""
         return tuple(option.name for option in self.options)
 
-    def load(self) -> "Callable[..., Tracker]":
-        """Return the tracker's class; loads Numba, OpenCV or whatever else it needs."""
-        tracker: Callable[..., Tracker] = resolve_name(self.path)
-        return tracker
+    def load(self) -> Callable[..., Made_co]:
+        """Return the class; loads Numba, OpenCV or whatever else it needs."""
+        made: Callable[..., Made_co] = resolve_name(self.path)
+        return made
 
     def errors(self, values: OptionValues) -> Errors:
-        """Return option -> why the tracker does not accept its value; empty if all is well.
+        """Return option -> why its value is not accepted; empty if all is well.
 
         Options without a value are not checked.
         """
@@ -105,3 +106,7 @@ class TrackerDeclaration:
             if option.name in values and (error := option.error(values[option.name]))
         }
         return errors | self.unsupported(values)
+
+
+class TrackerDeclaration(Declaration[Tracker]):
+    """A tracker."""

@@ -11,7 +11,7 @@ KCF and ECC some minutes.
 
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from multiprocessing import get_context
@@ -23,27 +23,38 @@ import numpy as np
 
 from performance import FIGURES
 from performance.plots import figure
+from performance.statistics.headroom.marks import (
+    OTHER_SEED,
+    OTHER_TRIALS,
+    REFERENCE_TRIALS,
+    Measured,
+    draw_headroom,
+    mark_steps,
+    number,
+    ordered,
+    reference_seed,
+    rounded,
+    score_cells,
+    stability,
+)
 from performance.statistics.headroom.store import store, stored
 from performance.statistics.visibility_attacks import Path as CornerPath
 from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
-from performance.tables import markdown_table, signed
+from performance.tables import markdown_table
 from seamark.sim.engine.summary import summarise
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.engine.warm_up import warm_up
-from seamark.sim.numerics.statistics import mean, mean_interval, paired_interval
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 from seamark.sim.trackers import declaration, make
 
 NAME = "visibility-v2"
-REFERENCE_TRIALS = 8
-OTHER_TRIALS = 24  # each of the eight textures three times
-OTHER_SEED = 770_001  # trial i has this seed plus i
 AXES = {"turbidity": "optical depth", "motion": "px per image", "jump": "jump [px]"}
 COLUMNS = (
     *("tau_midpoint", "motion_held_px", "basin_px"),
     *("admitted_loss_percent", "false_loss_percent", "unreported_loss_percent"),
 )
+DISHONEST = ("playback", "remembers")
 SHOWN_DEPTHS = (0.0, 2.0, 4.0)
 DRAWN = (
     *("nothing", "blind", "ssd-homography", "box", "kcf", "ecc", "klt", "zncc-homography"),
@@ -60,28 +71,6 @@ class Entry:
     make: Callable[[Any], Any]  # configuration -> solution
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
-    """What an entry scored."""
-
-    title: str
-    scores: Sequence[float]  # [optical depth] of all trials, the reference trials first
-    overall: Mapping[str, float | None]  # of the trials with other seeds: the columns of the table
-    success: Mapping[str, Sequence[tuple[float, float]]]  # of them: axis -> (level, share [%])
-
-    @property
-    def reference(self) -> float:
-        """Return the score of the reference trials."""
-        return mean(self.scores[:REFERENCE_TRIALS])
-
-    @property
-    def other(self) -> tuple[float, float]:
-        """Return the score of the trials with other seeds, and the end of its interval."""
-        scores = self.scores[REFERENCE_TRIALS:]
-        interval = mean_interval(scores)
-        return mean(scores), interval[1] if interval else mean(scores)
-
-
 def _reference(name: str) -> Callable[[Any], Any]:
     return lambda config: benchmark(NAME).load().built_in(name, config)
 
@@ -90,15 +79,9 @@ def _remembering(config: Any) -> Remembering:
     return Remembering(make(config.tracker, truth=None, **config.tracker_options()))
 
 
-def reference_seed() -> int:
-    """Return the seed of the reference trials."""
-    protocol = benchmark(NAME).protocol
-    return 0 if protocol is None else protocol.reference_seed
-
-
 @cache  # once per process
 def _reference_paths() -> dict[bytes, CornerPath]:
-    return stored_paths(NAME, seed=reference_seed(), trials=REFERENCE_TRIALS)
+    return stored_paths(NAME, seed=reference_seed(NAME), trials=REFERENCE_TRIALS)
 
 
 def _playback(_config: Any) -> Playback:
@@ -141,7 +124,7 @@ class _Job(NamedTuple):
 def measure(name: str, processes: int) -> Measured:
     """Run an entry on the reference trials and on others; results do not depend on `processes`."""
     entry = entries()[name]
-    known = [_Job(name, trial, reference_seed()) for trial in range(REFERENCE_TRIALS)]
+    known = [_Job(name, trial, reference_seed(NAME)) for trial in range(REFERENCE_TRIALS)]
     other = [_Job(name, trial, OTHER_SEED + trial) for trial in range(OTHER_TRIALS)]
     with get_context("spawn").Pool(processes, initializer=warm_up) as pool:
         results = pool.map(_run, [*known, *other], chunksize=1)
@@ -150,7 +133,7 @@ def measure(name: str, processes: int) -> Measured:
     return Measured(
         title=entry.title,
         scores=[round(result.score, 6) for result in results],
-        overall={name: _rounded(other_metrics["overall"][name]) for name in COLUMNS},
+        overall={name: rounded(other_metrics["overall"][name]) for name in COLUMNS},
         success={
             axis: [
                 (level["value"], round(level[_success(axis)], 3))
@@ -160,10 +143,6 @@ def measure(name: str, processes: int) -> Measured:
             for axis in AXES
         },
     )
-
-
-def _rounded(value: float | None) -> float | None:
-    return None if value is None else round(value, 4)
 
 
 def _success(axis: str) -> str:
@@ -191,97 +170,20 @@ def report(results: dict[str, Measured]) -> str:
         *("entry", "mark", "reference", "other seeds", "better than the mark above"),
         *("τ midpoint", "motion px", "basin px", "admitted %", "false %", "unreported %"),
     )
-    steps, marks = mark_steps(results), benchmark(NAME).baselines
+    marks = benchmark(NAME).baselines
+    steps = mark_steps(results, marks)
     return markdown_table(
         head,
         (_row(results[key], "yes" if key in marks else "", steps[key]) for key in ordered(results)),
     )
 
 
-def ordered(results: dict[str, Measured]) -> list[str]:
-    """Return the short names of the entries, lowest score first."""
-    return sorted(results, key=lambda key: results[key].other[0])
-
-
-def mark_steps(results: dict[str, Measured]) -> dict[str, tuple[float, float] | None]:
-    """Return for each entry by how much it is better than the next mark with a lower score.
-
-    The 95 % interval of the mean difference on the same trials, none of them a reference trial;
-    None for the lowest.
-    """
-    steps: dict[str, tuple[float, float] | None] = {}
-    below: Measured | None = None
-    for key in ordered(results):
-        own = results[key].scores[REFERENCE_TRIALS:]
-        steps[key] = paired_interval(own, below.scores[REFERENCE_TRIALS:]) if below else None
-        if key in benchmark(NAME).baselines:
-            below = results[key]
-    return steps
-
-
 def _row(one: Measured, mark: str, step: tuple[float, float] | None) -> tuple[str, ...]:
-    score, high = one.other
+    columns = zip(COLUMNS, (2, 1, 1, 0, 0, 0), strict=True)
     return (
-        one.title,
-        mark,
-        f"{one.reference:.2f}",
-        f"{score:.2f} ± {high - score:.2f}",
-        "" if step is None else f"{signed(step[0], 3)} to {signed(step[1], 3)}",
-        *(
-            _number(one.overall[name], digits)
-            for name, digits in zip(COLUMNS, (2, 1, 1, 0, 0, 0), strict=True)
-        ),
+        *score_cells(one, mark, step),
+        *(number(one.overall[name], digits) for name, digits in columns),
     )
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def stability(results: dict[str, Measured]) -> str:
-    """Return how much the order of the honest entries changes with the trials."""
-    honest = {key: one for key, one in results.items() if key not in ("playback", "remembers")}
-    halves = [
-        _order({key: one.scores[part] for key, one in honest.items()})
-        for part in (
-            slice(0, REFERENCE_TRIALS),
-            slice(REFERENCE_TRIALS, None),
-            slice(0, None, 2),
-            slice(1, None, 2),
-        )
-    ]
-    agree = [_agreement(halves[0], halves[1]), _agreement(halves[2], halves[3])]
-    return (
-        f"Pairs of {len(honest)} entries in the same order: {agree[0]:.0f} % with other seeds, "
-        f"{agree[1]:.0f} % between the even and the odd trials."
-    )
-
-
-def _order(scores: dict[str, Sequence[float]]) -> list[str]:
-    return sorted(scores, key=lambda key: float(np.mean(scores[key])))
-
-
-def _agreement(first: list[str], second: list[str]) -> float:
-    """Return the share of pairs [%] that two orders agree on."""
-    place = {key: at for at, key in enumerate(second)}
-    pairs = [(a, b) for at, a in enumerate(first) for b in first[at + 1 :]]
-    return 100.0 * sum(place[a] < place[b] for a, b in pairs) / len(pairs)
-
-
-def draw_headroom(results: dict[str, Measured], out: Path) -> None:
-    """Draw the scores with their intervals."""
-    entries = [results[key] for key in ordered(results)]
-    with figure(out, height=0.4 * len(entries) + 1.0) as axes:
-        at = np.arange(len(entries))
-        scores = [one.other[0] for one in entries]
-        margins = [high - score for score, high in (one.other for one in entries)]
-        axes.barh(at, scores, xerr=margins, color="#1d4ed8", alpha=0.75, height=0.6, capsize=3)
-        known = [one.reference for one in entries]
-        axes.plot(known, at, "o", color="#c2410c", label="reference trials")
-        axes.set_yticks(at, [one.title for one in entries])
-        axes.set_xlabel("turbidity held [optical depth], mean and 95 % interval, other seeds")
-        axes.set_xlim(0.0, 7.2)
-        axes.legend(loc="lower right")
 
 
 def draw_difficulty(results: dict[str, Measured], out: Path) -> None:
@@ -302,7 +204,7 @@ def draw_textures(out: Path) -> None:
     """Write a column for each reference trial: its target at three optical depths."""
     entry = benchmark(NAME)
     experiment, config = entry.load(), entry.read({})
-    seed = reference_seed()
+    seed = reference_seed(NAME)
     columns = []
     for trial in range(REFERENCE_TRIALS):
         kept: list[Rows] = []
@@ -328,8 +230,13 @@ def main(names: Sequence[str]) -> int:
             known = known_entries() | {key: measured}  # another process may have added some
             store(NAME, {name: asdict(one) for name, one in sorted(known.items())})
     results = known_entries()
-    sys.stdout.write(f"{report(results)}\n\n{stability(results)}\n")
-    draw_headroom(results, FIGURES / "visibility-v2-headroom.png")
+    sys.stdout.write(f"{report(results)}\n\n{stability(results, dishonest=DISHONEST)}\n")
+    draw_headroom(
+        results,
+        FIGURES / "visibility-v2-headroom.png",
+        score="turbidity held [optical depth]",
+        highest=7.0,
+    )
     draw_difficulty(results, FIGURES / "visibility-v2-difficulty.png")
     draw_textures(FIGURES / "visibility-v2-textures.png")
     return 0

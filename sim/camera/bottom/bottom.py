@@ -61,7 +61,7 @@ def draw_bottom(random: np.random.Generator, *, burial: float = 1.0) -> Bottom:
         north = _CELL_M * (column + 0.5 + _JITTER * (2.0 * along - 1.0))
         east = _ROW_M * (row + 0.5 - 0.5 * _ROWS + _JITTER * (2.0 * across - 1.0))
         things.append(draw_thing(name, north, east_m + east, random, burial=burial))
-    tiles, owners = _ground(ground).copy(), np.full((TILE, TILE), NOBODY, np.uint8)
+    tiles, owners = ground_tiles(ground).copy(), np.full((TILE, TILE), NOBODY, np.uint8)
     outlines = np.zeros(len(things))
     for at in random.permutation(len(things)).tolist():  # who lies on whom
         thing = things[at]
@@ -78,7 +78,7 @@ def draw_bottom(random: np.random.Generator, *, burial: float = 1.0) -> Bottom:
 
 
 @lru_cache(maxsize=len(GROUNDS))
-def _ground(name: str) -> Tiles:
+def ground_tiles(name: str) -> Tiles:
     """Return the three channels of a ground without things."""
     if name == SAND:
         return np.stack([texels(SEABED_SEED, channel) for channel in range(3)])

@@ -6,7 +6,7 @@ import pytest
 
 from seamark.sim import registry
 from seamark.sim.registry import TRUTH, benchmark
-from seamark.sim.settings.tracker import declared_options
+from seamark.sim.settings.declared import declarations, declared_options
 from seamark.sim.trackers import declaration, option_errors
 
 DECLARATION = """
@@ -25,7 +25,7 @@ def test_two_trackers_cannot_declare_different_options_of_one_name(
     monkeypatch.setitem(registry.TRACKERS, "conflicting", "conflicting_tracker:TRACKER")
 
     with pytest.raises(ValueError, match="tracker conflicting: another tracker's warp differs"):
-        declared_options()
+        declared_options("tracker", declarations(registry.TRACKERS, declaration))
 
 
 @pytest.mark.parametrize("name", registry.TRACKERS)

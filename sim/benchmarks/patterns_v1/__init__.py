@@ -1,0 +1,1 @@
+"""patterns-v1: pattern recognition on the sea bottom."""
