@@ -101,6 +101,8 @@ TRUTH = "truth"  # not a tracker: the true corners, to test a controller alone; 
 
 DETECTORS = {
     "template": "seamark.sim.detectors.template:DETECTOR",
+    "markers": "seamark.sim.detectors.markers:DETECTOR",
+    "orb": "seamark.sim.detectors.orb:DETECTOR",
 }
 # Marks on the leaderboard that do not look at the image. Nobody can submit them.
 REFERENCE_DETECTORS = {

@@ -21,6 +21,7 @@ from functools import partial
 from pathlib import Path
 
 from tests.sim.camera import test_link_camera
+from tests.sim.detectors import test_detectors
 from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
@@ -66,6 +67,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "multibody/test_loads.py::test_the_bottom_carries_the_weight_of_what_lies_on_it",
     "multibody/test_dynamics.py::test_a_vehicle_without_an_arm_accelerates_as_the_plant",
     "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
+    "detectors/test_detectors.py::test_the_stored_looks_are_those_that_the_painter_paints",
     "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
     "physics/test_hydrodynamics.py",
     "trackers/template/test_template.py::test_homography_is_within_a_tenth_of_a_pixel[esm-mi]",
@@ -80,11 +82,13 @@ def main() -> None:
             _collect,
             partial(_run, ENVIRONMENTS, {}),
             partial(_run, test_link_camera.PROGRAM, {}),
+            partial(_run, test_detectors.PROGRAM, {}),
             partial(_run, MECHANISMS, {}),
             _call_alone,
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
         )

@@ -4,6 +4,7 @@ Each is declared in the module that the registry names. Importing this package o
 loads neither Numba nor OpenCV; `make` loads what the chosen detector needs.
 """
 
+from importlib import import_module
 from pkgutil import resolve_name
 
 from seamark.sim.detectors.declaration import DetectorDeclaration
@@ -71,3 +72,8 @@ def make(name: str, **options: object) -> Detector:
     if errors := declared.errors(options):
         raise ValueError(" ".join(errors.values()))
     return declared.load()(**options)
+
+
+def warm_up() -> None:
+    """Load all compiled code, so that forked simulators start at once."""
+    import_module("seamark.sim.detectors.warm_up").run()

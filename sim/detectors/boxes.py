@@ -1,23 +1,45 @@
 """Upright boxes around detections, and which detections are of one object."""
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
-from seamark.sim.detectors.interface import Corners, Detection
-
-
-def overlap(one: Corners, other: Corners) -> float:
-    """Return the intersection over union of the upright boxes around two quadrilaterals."""
-    low = np.maximum(one.min(axis=0), other.min(axis=0))
-    high = np.minimum(one.max(axis=0), other.max(axis=0))
-    common = float(np.prod(np.maximum(high - low, 0.0)))
-    areas = float(np.prod(np.ptp(one, axis=0)) + np.prod(np.ptp(other, axis=0)))
-    return common / max(areas - common, 1e-9)
+from seamark.sim.detectors.interface import Detection
+from seamark.sim.vehicles.patterns import CLASSES
 
 
 def first_apart(detections: list[Detection], most_overlap: float) -> list[Detection]:
-    """Return the detections without those whose box overlaps more with an earlier one."""
-    kept: list[Detection] = []
-    for each in detections:
-        if all(overlap(each.corners, other.corners) <= most_overlap for other in kept):
-            kept.append(each)
-    return kept
+    """Return the detections without those whose box overlaps more with an earlier one of the label.
+
+    The overlap is the intersection over union of the upright boxes around the corners.
+    """
+    if not detections:
+        return []
+    corners = np.array([each.corners for each in detections])
+    labels = list(CLASSES)
+    numbers = np.array([labels.index(each.label) for each in detections])
+    keep = _apart(corners.min(axis=1), corners.max(axis=1), numbers, most_overlap)
+    return [each for each, kept in zip(detections, keep.tolist(), strict=True) if kept]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _apart(
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    most_overlap: float,
+) -> NDArray[np.bool_]:
+    keep = np.zeros(low.shape[0], np.bool_)
+    areas = (high[:, 0] - low[:, 0]) * (high[:, 1] - low[:, 1])
+    for k in range(low.shape[0]):
+        keep[k] = True
+        for m in range(k):
+            if not keep[m] or labels[k] != labels[m]:
+                continue
+            wide = min(high[k, 0], high[m, 0]) - max(low[k, 0], low[m, 0])
+            tall = min(high[k, 1], high[m, 1]) - max(low[k, 1], low[m, 1])
+            common = max(wide, 0.0) * max(tall, 0.0)
+            if common > most_overlap * (areas[k] + areas[m] - common):
+                keep[k] = False
+                break
+    return keep

@@ -32,7 +32,7 @@ def grey(image: Image) -> Image:
     return image if image.ndim == 2 else np.ascontiguousarray(image[:, :, _GREEN])
 
 
-def most_confident(detections: list[Detection], most: int | None = MOST) -> list[Detection]:
+def most_confident(detections: list[Detection], *, most: int = MOST) -> list[Detection]:
     """Return the detections in the order of an answer, without those that are too many.
 
     Those outside any image are left out too: corners are finite and confidences from 0 to 1.

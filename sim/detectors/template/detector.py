@@ -15,8 +15,9 @@ from seamark.sim.numerics.libm import cos, sin
 
 _REFINED = 60  # places, E: more cost time and find nothing else
 _AGAINST = 0.5  # E: how much likeness to another kind counts against one
-_LEAST = 0.5  # E: noise alone is less like any look
-_SAME = 0.4  # intersection over union from which two answers are one object
+_LEAST = 0.5  # E: bare ground is hardly less like some look
+_LEAST_CONTRAST = 2.0  # [grey] E: the noise of the camera alone has about 1 (`Water`, bilinear)
+_SAME = 0.4  # intersection over union from which two answers of a label are one
 
 
 class TemplateDetector:
@@ -38,8 +39,9 @@ class TemplateDetector:
         refine(images, poses, patches, likeness.looks[chosen, best])
         likeness = compare(images, poses, patches, kinds)
         confidence = _confidence(likeness.values)
+        shown = (likeness.contrast > _LEAST_CONTRAST)[:, None]
         found = []
-        for place, label in np.argwhere(likeness.values[:, :OBJECTS] > _LEAST).tolist():
+        for place, label in np.argwhere(shown & (likeness.values[:, :OBJECTS] > _LEAST)).tolist():
             look = likeness.looks[place, label]
             corners = _corners(Pose(*poses[place].tolist()), float(proportions[look]))
             turned = bool(look >= len(kinds) // 2)
@@ -50,7 +52,7 @@ class TemplateDetector:
                     float(confidence[place, label]),
                 )
             )
-        return most_confident(first_apart(most_confident(found, None), _SAME))
+        return most_confident(first_apart(most_confident(found, most=len(found)), _SAME))
 
 
 @lru_cache(maxsize=1)
@@ -68,10 +70,7 @@ def _confidence(likeness: NDArray[np.float64]) -> NDArray[np.float64]:
     objects = likeness[:, :OBJECTS]
     others = np.where(objects == best, second, best)
     margin = np.clip(objects - others, -0.5, 0.5)
-    result: NDArray[np.float64] = np.clip(
-        (objects + _AGAINST * margin) / (1.0 + 0.5 * _AGAINST), 0.0, 1.0
-    )
-    return result
+    return np.asarray(np.clip((objects + _AGAINST * margin) / (1.0 + 0.5 * _AGAINST), 0.0, 1.0))
 
 
 def _corners(pose: Pose, proportion: float) -> Corners:
@@ -80,7 +79,6 @@ def _corners(pose: Pose, proportion: float) -> Corners:
     along = 0.5 * pose.length * np.array([cosine, sine])
     across = 0.5 * pose.length * proportion * np.array([-sine, cosine])
     middle = np.array([pose.u, pose.v])
-    corners: Corners = middle + np.array(
-        [-along - across, along - across, along + across, across - along]
+    return np.asarray(
+        middle + np.array([-along - across, along - across, along + across, across - along])
     )
-    return corners

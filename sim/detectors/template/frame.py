@@ -30,8 +30,8 @@ def weight(y: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def normalise(patch: Patches) -> None:
-    """Give a patch (1, CELLS) of greys the weighted mean 0 and the length 1.
+def normalise(patch: Patches) -> float:
+    """Give a patch (1, CELLS) of greys the weighted mean 0 and the length 1; return its spread.
 
     The product of two such patches is their zero-mean normalised cross-correlation.
     """
@@ -54,3 +54,4 @@ def normalise(patch: Patches) -> None:
         scale = np.sqrt(weight(across(row)) / max(energy, _LEAST_SPREAD))
         for cell in range(row * SIDE, (row + 1) * SIDE):
             patch[0, cell] = (patch[0, cell] - mean) * scale
+    return float(np.sqrt(energy / total))

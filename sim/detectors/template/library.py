@@ -62,7 +62,7 @@ def painted() -> NDArray[np.float16]:
     for number in range(_TILES):
         random = np.random.Generator(np.random.PCG64(_SEED + number))
         ground = GROUNDS[number % len(GROUNDS)]
-        tile, places = _tile(random, ground)
+        tile, places = painted_tile(random, ground)
         for kind, (north, east, length, width) in enumerate(places):
             seen[kind].append(_seen(tile, north, east, length))
             proportions[kind].append(width / length)
@@ -73,12 +73,14 @@ def painted() -> NDArray[np.float16]:
             proportions[GROUND].append(1.0)
     rows = []
     for kind in range(KINDS):
-        looks, means = _clusters(np.concatenate(seen[kind]), np.array(proportions[kind]))
+        looks, means = _clusters(
+            np.concatenate(seen[kind]).astype(np.float64), np.array(proportions[kind])
+        )
         rows.append(np.column_stack([np.full(_LOOKS, kind), means, looks]))
     return np.concatenate(rows).astype(np.float16)
 
 
-def _tile(
+def painted_tile(
     random: np.random.Generator, ground: str
 ) -> tuple[NDArray[np.uint8], list[tuple[float, float, float, float]]]:
     """Return a tile with one thing of each kind: north, east, length, width [m] of each."""
@@ -115,8 +117,26 @@ def _seen(tile: NDArray[np.uint8], north: float, east: float, length: float) -> 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _clusters(  # noqa: C901  (k-medoids in one kernel)
-    patches: Patches, proportions: NDArray[np.float64]
+def _product(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    total = 0.0
+    for cell in range(CELLS):
+        total += one[cell] * other[cell]
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nearest(looks: NDArray[np.float64], patch: NDArray[np.float64]) -> int:
+    nearest, most = 0, -2.0
+    for k in range(_LOOKS):
+        value = _product(looks[k], patch)
+        if value > most:
+            nearest, most = k, value
+    return nearest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clusters(
+    patches: NDArray[np.float64], proportions: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the looks (_LOOKS, CELLS) of normalised patches, and the proportion of each."""
     looks, means = np.empty((_LOOKS, CELLS)), np.zeros(_LOOKS)
@@ -126,24 +146,14 @@ def _clusters(  # noqa: C901  (k-medoids in one kernel)
         sums, counts = np.zeros((_LOOKS, CELLS)), np.zeros(_LOOKS)
         means[:] = 0.0
         for row in range(patches.shape[0]):
-            nearest, most = 0, -2.0
-            for k in range(_LOOKS):
-                value = 0.0
-                for cell in range(CELLS):
-                    value += looks[k, cell] * patches[row, cell]
-                if value > most:
-                    nearest, most = k, value
+            nearest = _nearest(looks, patches[row])
             sums[nearest] += patches[row]
             counts[nearest] += 1.0
             means[nearest] += proportions[row]
         for k in range(_LOOKS):
-            if counts[k] == 0.0:
-                continue
-            energy = 0.0
-            for cell in range(CELLS):
-                energy += sums[k, cell] * sums[k, cell]
-            looks[k] = sums[k] / np.sqrt(energy)
-            means[k] /= counts[k]
+            if counts[k] > 0.0:
+                looks[k] = sums[k] / np.sqrt(_product(sums[k], sums[k]))
+                means[k] /= counts[k]
     return looks, means
 
 

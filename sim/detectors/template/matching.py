@@ -32,6 +32,7 @@ class Likeness(NamedTuple):
 
     values: NDArray[np.float64]  # (n, kinds) correlation with the look of a kind that is most like
     looks: NDArray[np.int64]  # (n, kinds) which of the library that is
+    contrast: NDArray[np.float64]  # (n,) [grey] as if of single pixels, see `_take`
 
 
 def octaves(image: NDArray[np.uint8]) -> Octaves:
@@ -56,8 +57,11 @@ def _halved(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _take(images: Octaves, pose: Pose, patch: Patches) -> None:
-    """Fill a patch (1, CELLS) with what an image shows at a pose, normalised."""
+def _take(images: Octaves, pose: Pose, patch: Patches) -> float:
+    """Fill a patch (1, CELLS) with what an image shows at a pose, normalised.
+
+    Returns its spread [grey], times by how much its octave averages the noise of pixels down.
+    """
     cell_px = (across(1) - across(0)) * pose.length
     octave = 0
     while octave < len(images) - 1 and cell_px > 1.5 * (1 << octave):
@@ -75,7 +79,7 @@ def _take(images: Octaves, pose: Pose, patch: Patches) -> None:
         upper = image[j, i] + a * (image[j, i + 1] - image[j, i])
         lower = image[j + 1, i] + a * (image[j + 1, i + 1] - image[j + 1, i])
         patch[0, cell] = upper + b * (lower - upper)
-    normalise(patch)
+    return float(size * normalise(patch))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -94,11 +98,14 @@ def compare(
     """Return how much each place, a row of poses (n, 4), is like each kind of the library."""
     count = poses.shape[0]
     found = Likeness(
-        np.full((count, kinds.max() + 1), -1.0), np.zeros((count, kinds.max() + 1), np.int64)
+        np.full((count, kinds.max() + 1), -1.0),
+        np.zeros((count, kinds.max() + 1), np.int64),
+        np.zeros(count),
     )
     patch = np.empty((1, CELLS), np.float32)
     for k in range(count):
-        _take(images, Pose(poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3]), patch)
+        pose = Pose(poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3])
+        found.contrast[k] = _take(images, pose, patch)
         for row in range(patches.shape[0]):
             value, kind = _likeness(patch, patches, row), kinds[row]
             if value > found.values[k, kind]:
