@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from seamark.sim.camera import VISIBILITY, Water
-from seamark.sim.camera.bottom.bottom import STRIP_M, draw_bottom
+from seamark.sim.camera.bottom.bottom import draw_bottom
 from seamark.sim.camera.bottom.camera import BottomCamera
 from seamark.sim.detectors import Corners, Image
+from seamark.sim.vehicles.patterns import CLASSES
 
 SEABED_M, MOUNTED_M = 5.0, 0.95
 BORDER_PX = 4
@@ -33,14 +34,15 @@ def look(seed: int, optical_depth: float) -> list[View]:
     for frame, north in enumerate((0.8, 2.0, 3.2, 4.4)):
         down = SEABED_M - MOUNTED_M - altitude
         pose = np.array([north, bottom.east_m + 0.1, down, 0.02, -0.03, 0.1])
-        objects = {}
-        for thing, visible in zip(bottom.objects, bottom.visible, strict=False):
-            for lap in (-STRIP_M, 0.0, STRIP_M):
-                corners = thing.corners(SEABED_M) + np.array([lap, 0.0, 0.0])
-                points = camera.image_points(pose, corners)
-                end = np.array([320, 240]) - BORDER_PX
-                if visible > 0.8 and (points > BORDER_PX).all() and (points < end).all():
-                    objects[thing.name] = points
+        end = np.array([VISIBILITY.width, VISIBILITY.height]) - BORDER_PX
+        objects = {
+            seen.name: seen.corners
+            for seen in camera.seen(pose)
+            if seen.name in CLASSES
+            and seen.uncovered > 0.8
+            and (seen.corners > BORDER_PX).all()
+            and (seen.corners < end).all()
+        }
         views.append(View(camera.colour(pose, frame), objects))
     return views
 
