@@ -8,7 +8,16 @@ from seamark.server.api import openapi
 from seamark.server.api.account import account, mail, profiles
 from seamark.server.api.administration import administration, rejudgements
 from seamark.server.api.classes import assignments, classes
-from seamark.server.api.data import datasets, demo, events, files, formats, scene, series
+from seamark.server.api.data import (
+    datasets,
+    demo,
+    events,
+    files,
+    formats,
+    recognition,
+    scene,
+    series,
+)
 from seamark.server.api.leaderboards import benchmarks, leaderboards
 from seamark.server.api.runs import (
     actions,
@@ -38,6 +47,7 @@ RESOURCES = (
     formats.api,
     datasets.api,
     series.api,
+    recognition.api,
     compare.api,
     scene.api,
     demo.api,

@@ -41,8 +41,8 @@ def changed_scenario(run: RunView) -> bool:
 
 def error_unit(run: RunView) -> str:
     """Return the unit of the curve of the error of a run."""
-    known = run.benchmark in registry.BENCHMARKS
-    return UNITS[error_column(run.benchmark)] if known else ""
+    column = error_column(run.benchmark) if run.benchmark in registry.BENCHMARKS else None
+    return "" if column is None else UNITS[column]
 
 
 def score_unit(run: RunView) -> str:

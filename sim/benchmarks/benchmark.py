@@ -139,7 +139,7 @@ class Benchmark:
     title: str
     summary: str
     participants: str  # in the plural, such as "trackers"
-    role: str  # of uploaded programs: "controller" or "tracker"
+    role: str  # of uploaded programs: "controller", "tracker" or "detector"
     moves_arm: bool = False  # whether its programs move an arm: they start from other ones
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
     # name -> label of built-in solutions that only baselines may use: marks such as an oracle
@@ -151,6 +151,8 @@ class Benchmark:
     # of its environments: seamark/<family>-v1 for <name>-v1; empty: the name in capitals
     gym_family: str = ""
     question: str = ""  # that its leaderboard answers, where the summary does not say it
+    # of the telemetry: the error that it is about; None: no single column says it
+    error_column: str | None = "distance"
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
     key_metrics: tuple[Metric, ...]  # of the tables, for each trial and in short lists

@@ -86,7 +86,8 @@ def moments(path: RunPath, query: TrialQuery) -> dict[str, Any]:
     """Return when the levels of a trial began, its largest error, and when the target was lost.
 
     Where an arm works on something, also when each stage of the work was reached.
-    The error is that of the tracker where trackers are compared, else the distance to the station.
+    The error is that of the tracker where trackers are compared, and the distance to the station
+    where controllers are; detectors have none.
     """
     view = access.run_for(path.run_id)
     error = error_column(view.benchmark)

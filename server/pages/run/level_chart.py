@@ -1,22 +1,18 @@
 """The chart of metrics over levels, from the metrics of a run or its telemetry so far."""
 
 from collections.abc import Mapping, Sequence
-from itertools import groupby, pairwise
+from itertools import groupby
 from operator import itemgetter
 from typing import Any
 
-import numpy as np
-
-from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.data.level_spans import level_spans
 from seamark.server.runs.showing.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark, Curve
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.settings.configuration import Configuration
-
-LEVEL_ROWS_MAX = 65_536  # 30 MB; those of the benchmarks have a tenth
 
 
 def curves(
@@ -31,7 +27,7 @@ def curves(
     if not benchmark.curves:
         return []
     done: dict[int, Mapping[str, Any]] = dict(enumerate((run.metrics or {}).get("levels") or []))
-    spans = [] if done else _levels(files, ended=run.state.final)
+    spans = [] if done else level_spans(files, ended=run.state.final)
     return [
         _curve(chart, config, run, done or _so_far(chart, files, spans), headline)
         for chart in benchmark.curves
@@ -105,22 +101,6 @@ def _sentence(chart: Curve, first: str, marked: Metric, mark: float | None, *, f
         return f"{first} {state} {fall} below {chart.limit:g} %, which would be {marked.label}."
     sofar = "" if final else " so far"
     return f"{marked.label}, where {first} falls below {chart.limit:g} %, is {mark:.2f}{sofar}."
-
-
-def _levels(files: RunFiles, *, ended: bool) -> list[tuple[int, int]]:
-    """Return the ranges of rows of the completed levels of all trials.
-
-    Without those of more than `LEVEL_ROWS_MAX` rows: they are shown when the run has metrics.
-    """
-    starts: list[int] = []
-    count, before = files.row_count(), np.full((1, 2), np.nan)
-    for at in range(0, count, BLOCK_ROWS):
-        place = files.rows(at, min(at + BLOCK_ROWS, count))[:, [INDEX["trial"], INDEX["level"]]]
-        begins = (np.diff(place, axis=0, prepend=before) != 0).any(axis=1)
-        starts += (at + np.flatnonzero(begins)).tolist()
-        before = place[-1:]
-    spans = pairwise([*starts, count] if ended else starts)
-    return [(first, after) for first, after in spans if after - first <= LEVEL_ROWS_MAX]
 
 
 def _so_far(

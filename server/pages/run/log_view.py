@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from seamark.server.pages.run.metric_tables import Row, SettingValue, Table
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing.views import RunView
+from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
 
@@ -50,8 +51,14 @@ def absent_columns(run: RunView) -> frozenset[str]:
 
 
 def tracks(run: RunView) -> bool:
-    """Return whether a tracker saw the target, which a log without corners cannot say."""
-    return "tracker_ok" not in absent_columns(run)
+    """Return whether a tracker saw the target.
+
+    A log without corners cannot say that, and above a bottom with many objects there is none.
+    """
+    if run.kind is RunKind.LOG:
+        return "tracker_ok" not in absent_columns(run)
+    benchmark = registry.benchmark(run.benchmark)
+    return "tracker_ok" not in benchmark.restore(run.config).unused_columns()
 
 
 def key_number(run: RunView, tables: Sequence[Table], name: str) -> Row | None:

@@ -24,6 +24,8 @@ from seamark.sim.settings.grid import level_names
 
 IMAGE_PERIOD_S = 0.05
 _NOT_CHARTED = frozenset({"trial", "t"})  # the same in a whole chart, and its axis
+# Those of a detector are hundreds, which make sense together: the camera shows them.
+_DETECTIONS = frozenset(column.name for column in telemetry.DETECTION_COLUMNS)
 
 
 def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
@@ -31,9 +33,9 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     benchmark = known_benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
     with vehicles.lent_to(services().settings, run):
-        charts = _charts(run, benchmark.charts_of(config))
-    absent = absent_columns(run)
+        charts, unused = _charts(run, benchmark.charts_of(config)), config.unused_columns()
     width = _width(files, config)
+    left_out = _NOT_CHARTED | absent_columns(run) | unused | _DETECTIONS
     return {
         "id": run.id,
         "benchmark": run.benchmark,
@@ -46,13 +48,14 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "arm": telemetry.has_arm(width),
+        "detections": telemetry.has_detections(width),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": charts,
         "stages": benchmark.stage_labels,
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
             for column in telemetry.columns(width)
-            if column.name not in _NOT_CHARTED | absent
+            if column.name not in left_out
         ],
         "api": f"/api/v1/runs/{run.id}",
         "events_after": str(start_of_trial(files)),

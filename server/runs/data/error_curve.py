@@ -16,26 +16,23 @@ UNITS = {column.name: column.unit for column in COLUMNS}
 Curve = list[float | None]
 
 
-def error_column(benchmark: str) -> str:
-    """Return the column of the error that a benchmark is about.
-
-    That of the tracker where trackers are compared, else the distance to the station.
-    """
-    return "tracker_error" if registry.benchmark(benchmark).role == "tracker" else "distance"
+def error_column(benchmark: str) -> str | None:
+    """Return the column of the error that a benchmark is about; None if no single one says it."""
+    return registry.benchmark(benchmark).error_column
 
 
 def error_curve(files: RunFiles, benchmark: str) -> Curve | None:
-    """Return the mean error in equal parts of the first trial; None without any rows.
+    """Return the mean error in equal parts of the first trial; None without any rows or column.
 
     In m or px, as the column; None where the rows have no value. A few rows of each part are read,
     so a long run costs as much as a short one.
     """
-    rows = files.rows_until(0, math.inf)
-    if rows == 0:
+    column, rows = error_column(benchmark), files.rows_until(0, math.inf)
+    if column is None or rows == 0:
         return None
     count = min(POINTS * ROWS_PER_POINT, rows)
     picked = np.linspace(0, rows - 1, count).astype(int).tolist()
-    values = files.rows_at(picked)[:, INDEX[error_column(benchmark)]]
+    values = files.rows_at(picked)[:, INDEX[column]]
     return [_mean(part) for part in np.array_split(values, min(POINTS, len(values)))]
 
 

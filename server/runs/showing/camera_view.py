@@ -22,12 +22,13 @@ from seamark.server.programs import vehicles
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.seeds import TrialSeeds, trial_seeds
+from seamark.server.runs.showing.detections import answered, missed
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
-from seamark.sim.recording.telemetry import INDEX
+from seamark.sim.recording.telemetry import INDEX, has_detections
 
 if TYPE_CHECKING:
     from seamark.sim.camera.camera import Camera
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
 
 IMAGES_KEPT = 64  # of 60 KB
 GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
+RED, GREY, BLACK = (70, 70, 255), (190, 190, 190), (20, 20, 20)
+_OF_OUTCOME = {"hit": GREEN, "false alarm": RED, "ignored": GREY}
+_ENLARGED = 2  # times, of images of 320 x 240: labels stay legible
+_TEXT_SCALE, _TEXT_MARGIN_PX = 0.4, 3
 _CROSS_PX = 9  # half of the centre cross
 _SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
 _CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
@@ -50,8 +55,8 @@ Row = NDArray[np.float64]
 class Drawn:
     """What is drawn onto an image; with nothing it is the bare image."""
 
-    tracked: bool = True  # the outline that the tracker reported, green
-    truth: bool = True  # the true outline, thin and amber
+    tracked: bool = True  # the outline that the tracker reported, green; the answers of a detector
+    truth: bool = True  # the true outline, thin and amber; of a detector, those it missed
     on_arm: bool = False  # the image of the camera on the arm instead, in which nothing is drawn
 
 
@@ -102,7 +107,7 @@ def _rendered(
     if drawn.on_arm:
         return jpeg(frame.on_arm())
     image, truth = frame.colour(), frame.corners()
-    return jpeg(_annotated(image, row, truth, drawn))
+    return jpeg(annotated(image, row, truth, drawn))
 
 
 @contextmanager
@@ -131,7 +136,7 @@ def _render_one(benchmark: str) -> None:
     row = np.zeros(config.telemetry_shape()[1])
     with _lock:
         frame = Replay(benchmark, config, lambda _trial: 0).frame(row)
-        jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))
+        jpeg(annotated(frame.colour(), row, frame.corners(), DRAWN))
 
 
 def is_warm() -> bool:
@@ -158,10 +163,15 @@ def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
     return None
 
 
-def _annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
-    """Draw the image centre, the tracked outline and, thin on top, the true outline."""
+def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
+    """Draw the image centre, the tracked outline and, thin on top, the true outline.
+
+    Of a row with detections, draw these instead.
+    """
     if not (drawn.tracked or drawn.truth):
         return image
+    if has_detections(len(row)):
+        return _with_detections(image, row, drawn)
     import cv2  # noqa: PLC0415 - loads OpenCV
 
     height, width = image.shape[:2]
@@ -172,6 +182,45 @@ def _annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     if drawn.truth:
         _outline(image, truth, AMBER, 1)
     return image
+
+
+def _with_detections(image: Image, row: Row, drawn: Drawn) -> Image:
+    """Return an enlarged image with a detector's answers and, thin, the objects that it missed."""
+    import cv2  # noqa: PLC0415 - loads OpenCV
+
+    height, width = (_ENLARGED * size for size in image.shape[:2])
+    enlarged = cv2.resize(image, (width, height)).astype(np.uint8, copy=False)
+    if drawn.truth:
+        for one in missed(row):
+            _outline(enlarged, _enlarged(one.corners), AMBER, 2)
+    if drawn.tracked:
+        answers = list(answered(row))
+        for answer in reversed(answers):  # the most confident ones on top
+            _outline(enlarged, _enlarged(answer.corners), _OF_OUTCOME[answer.outcome], 3)
+        for answer in reversed(answers):
+            text = f"{answer.label} {answer.confidence:.2f}"
+            _label(enlarged, text, _enlarged(answer.corners), _OF_OUTCOME[answer.outcome])
+    return enlarged
+
+
+def _enlarged(corners: Row) -> Row:
+    """Return corners in the enlarged image; the centre of a pixel is at whole coordinates."""
+    return _ENLARGED * (corners + 0.5) - 0.5
+
+
+def _label(image: Image, text: str, corners: Row, colour: tuple[int, int, int]) -> None:
+    """Write a text on a bar of a colour above the corners, or as near as it is in the image."""
+    import cv2  # noqa: PLC0415 - loads OpenCV
+
+    font, margin = cv2.FONT_HERSHEY_SIMPLEX, _TEXT_MARGIN_PX
+    (width, height), below = cv2.getTextSize(text, font, _TEXT_SCALE, 1)
+    width, height = width + 2 * margin, height + below + margin
+    left, top = corners.min(axis=0).tolist()
+    x = round(min(max(left, 0), image.shape[1] - width))
+    y = round(min(max(top - height, 0), image.shape[0] - height))
+    cv2.rectangle(image, (x, y), (x + width, y + height), colour, cv2.FILLED)
+    at = (x + margin, y + height - below)
+    cv2.putText(image, text, at, font, _TEXT_SCALE, BLACK, 1, cv2.LINE_AA)
 
 
 def _outline(image: Image, corners: Row, colour: tuple[int, int, int], thickness: int) -> None:

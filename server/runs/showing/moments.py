@@ -15,7 +15,7 @@ from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import INDEX, Rows, has_detections
 
 Flags = NDArray[np.bool_]
 _SAME_TIME_S = 1e-6
@@ -33,21 +33,25 @@ class _Moments:
     lost: bool = False  # in the row before
     touched: bool = False  # in the level of the row before
 
-    def add(self, rows: Rows, column: int) -> None:
+    def add(self, rows: Rows, column: int | None) -> None:
         t, level = rows[:, INDEX["t"]], rows[:, INDEX["level"]]
         begins = np.diff(level, prepend=self.level) != 0  # also of the first row: NaN
         self.levels += [{"level": int(level[at]), "t": t[at]} for at in np.flatnonzero(begins)]
         reported = rows[:, INDEX["tracker_ok"]]
-        lost = np.isfinite(reported) & (reported != 1.0)  # a log may be without a tracker
+        # A log may be without a tracker, and what a detector sees is none.
+        lost = np.isfinite(reported) & (reported != 1.0) & (not has_detections(rows.shape[1]))
         before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
         room = LOSSES_MAX - len(self.losses)
         self.losses += t[lost & ~before][:room].tolist()
         self._add_touches(t, begins, rows[:, INDEX["contact_n"]] > 0.0)
-        error = np.nan_to_num(rows[:, column], nan=-np.inf)
+        if column is not None:
+            self._add_error(t, np.nan_to_num(rows[:, column], nan=-np.inf))
+        self.level, self.lost = float(level[-1]), bool(lost[-1])
+
+    def _add_error(self, t: Rows, error: Rows) -> None:
         at = int(error.argmax())
         if error[at] > self.error:
             self.error, self.error_t = float(error[at]), float(t[at])
-        self.level, self.lost = float(level[-1]), bool(lost[-1])
 
     def _add_touches(self, t: Rows, begins: Flags, touching: Flags) -> None:
         """Note the first touch of each level; level 0 here is the one that goes on."""
@@ -73,17 +77,19 @@ def stages_of(run: RunView) -> Reached | None:
 
 
 def moments(
-    files: RunFiles, trial: int, error: str, reached: Reached | None = None
+    files: RunFiles, trial: int, error: str | None, reached: Reached | None = None
 ) -> dict[str, Any]:
-    """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts.
+    """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts,
+    if there is one.
 
     A loss is where the tracker begins to report that it has no target, in each level anew; a touch
     where the hull first meets the bottom or the target in a level.
     """
     events = _Moments()
     first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
+    column = None if error is None else INDEX[error]
     for start in range(first, after, BLOCK_ROWS):
-        events.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
+        events.add(files.rows(start, min(start + BLOCK_ROWS, after)), column)
     largest = {"column": error, "t": events.error_t, "value": events.error}
     found = {
         "levels": events.levels,

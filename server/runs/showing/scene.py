@@ -23,6 +23,7 @@ from seamark.sim.vehicles.model import Place
 from seamark.sim.vehicles.solids import Solid
 
 if TYPE_CHECKING:
+    from seamark.sim.camera.bottom.bottom import Bottom
     from seamark.sim.camera.camera import Camera
     from seamark.sim.multibody.assembly import Mounting
     from seamark.sim.multibody.workpiece import Workpiece
@@ -41,13 +42,14 @@ def has_level(run: RunView, trial: int, level: int) -> bool:
 def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dict[str, Any]:
     """Return vehicle, target, camera and water of a level, and what an arm works on, if it does.
 
-    The vehicle is null if the camera moves alone, or if it was the user's own and is deleted.
+    The vehicle is null if the camera moves alone, or if it was the user's own and is deleted. The
+    target is null above a painted bottom, which is another one in each level.
     """
     config: Any = registry.benchmark(run.benchmark).restore(run.config)
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         target, optics, water = camera.target, camera.optics, camera.water
         effects, ground = camera.effects, camera.ground
-        work = _workpiece(camera)
+        work, painted = _workpiece(camera), _bottom(camera) is not None
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
@@ -56,12 +58,15 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
         shape = None if known is None else vehicle_shape(known, config.chosen_arm())
     return {
         "vehicle": shape,
-        "target": {
+        "target": None
+        if painted
+        else {
             "centre": target.origin().tolist(),
             "size": target.size_m,
             "heading": target.heading_rad,
         },
-        "seabed": {"depth": target.seabed_m, "ground": ground, "tile": _tile_m()},
+        "seabed": {"depth": target.seabed_m, "ground": ground, "tile": _tile_m()}
+        | ({"painted": True} if painted else {}),
         "camera": {
             "mount": optics.mount_m,
             "focal": optics.focal_px,
@@ -202,6 +207,8 @@ def _joint(link: LinkData, motors: Sequence[str]) -> dict[str, Any] | None:
 def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:
     """Return the seabed's tile, columns to the north and rows to the east, or the target's top.
 
+    A painted bottom is its tile with all that lies on it.
+
     With a workpiece, that is what cameras see on the upper side of its box with letters.
     """
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
@@ -209,8 +216,8 @@ def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: P
             work = _workpiece(camera)
             lettered = None if work is None else _lettered(work)
             return jpeg(_top_of(camera.target) if lettered is None else _letters_on(lettered))
-        ground = camera.ground
-    return _seabed(ground)
+        ground, bottom = camera.ground, _bottom(camera)
+    return _seabed(ground) if bottom is None else jpeg(np.dstack([*bottom.tiles[::-1]]))
 
 
 def _tile_m() -> float:
@@ -232,6 +239,13 @@ def _seabed(ground: str) -> bytes:
         planes = [pictures.tile(ground)] * 3
     small = cv2.resize(np.dstack(planes), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_AREA)
     return jpeg(small.astype(np.uint8))
+
+
+def _bottom(camera: "Camera") -> "Bottom | None":
+    """Return what is painted below this camera."""
+    from seamark.sim.camera.bottom.camera import BottomCamera  # noqa: PLC0415 - loads OpenCV
+
+    return camera.bottom if isinstance(camera, BottomCamera) else None
 
 
 def _lettered(work: "Workpiece") -> Solid | None:

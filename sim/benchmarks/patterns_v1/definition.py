@@ -54,6 +54,7 @@ BENCHMARK = Benchmark(
     question="Which detector recognises objects among decoys in the most turbid water?",
     participants="detectors",
     role="detector",
+    error_column=None,
     built_in={"built-in": "Built-in detector"},
     experiment="seamark.sim.benchmarks.patterns_v1.experiment:EXPERIMENT",
     headline=SCORE,
@@ -76,7 +77,7 @@ BENCHMARK = Benchmark(
     board_metrics=GROUP.metrics,
     curves=(
         Curve(
-            metrics=(AP, F_MEASURE),
+            metrics=(AP,),
             limit=HELD_PERCENT,
             values=PatternsConfiguration.level_values,
             measure=curve_metrics,

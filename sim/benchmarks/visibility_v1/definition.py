@@ -54,6 +54,7 @@ BENCHMARK = Benchmark(
     question="Which tracker keeps its target longest while the water gets worse?",
     participants="trackers",
     role="tracker",
+    error_column="tracker_error",
     gym_family="VisualTracking",
     built_in={"built-in": "Built-in tracker"},
     experiment="seamark.sim.benchmarks.visibility_v1.experiment:EXPERIMENT",

@@ -122,6 +122,7 @@ BENCHMARK = Benchmark(
     question="Which tracker keeps its target in the most turbid water and the fastest motion?",
     participants="trackers",
     role="tracker",
+    error_column="tracker_error",
     gym_family="VisualTracking",
     built_in={"built-in": "Built-in tracker"},
     experiment="seamark.sim.benchmarks.visibility_v2.experiment:EXPERIMENT",

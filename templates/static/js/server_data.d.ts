@@ -65,6 +65,32 @@ export interface Moments {
   stages?: { level: number; stage: number; t: number }[];
 }
 
+/** A moment of a detector's run. */
+export interface Example {
+  trial: number;
+  level: number;
+  t: number;
+  label: string;
+  corners: [number, number][];
+  confidence: number | null;
+  lies_on: string | null;
+}
+
+/** recognition.json */
+export interface Recognition {
+  recalls: number[];
+  levels: { value: number; precision: number[]; time_ms: { median: number; longest: number } }[];
+  labels: string[];
+  classes: string[];
+  lies_on: string[];
+  confusion: number[][];
+  objects: number[];
+  missed: number[];
+  examples: { false_alarms: Example[]; misses: Example[]; hits: Example[] };
+  images: number;
+  recorded: number;
+}
+
 export type Triple = [number, number, number];
 
 export interface Solid {
@@ -146,9 +172,9 @@ export interface LightData {
 /** scene.json: north, east, down; [m], [rad] */
 export interface SceneData {
   vehicle: VehicleShape | null;
-  target: TargetShape;
+  target: TargetShape | null; // null above a bottom on which many things lie
   workpiece?: WorkShape; // instead of the target
-  seabed: { depth: number; tile: number };
+  seabed: { depth: number; tile: number; painted?: boolean }; // painted: another one in each level
   camera: Optics;
   water: WaterData;
   light: LightData;

@@ -315,7 +315,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
     **_reading(*(f"/{kind.file}" for kind in FORMATS.values() if kind.converted)),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
-    **_reading("/scene.json", "/texture.jpg", "/moments.json"),
+    **_reading("/scene.json", "/texture.jpg", "/moments.json", "/recognition.json"),
     ("GET", "/api/v1/runs/<int:run_id>/vehicle.toml"): Entry(
         reads_run, path="/api/v1/runs/{run}/vehicle.toml", run="own vehicle"
     ),

@@ -22,6 +22,7 @@ export class Camera {
     this.image = need(this.box, "img", HTMLImageElement);
     this.note = need(this.box, "[data-camera-note]", HTMLElement);
     this.truth = maybe(root, "[data-truth]", HTMLInputElement);
+    this.tracked = maybe(root, "[data-tracked]", HTMLInputElement);
     this.zoom = maybe(root, "[data-zoom]", HTMLInputElement);
     this.onArm = maybe(root, "[data-on-arm]", HTMLInputElement);
     /** @type {Moment | null} */
@@ -34,6 +35,7 @@ export class Camera {
     this.busy = false;
     this.viewers = 1; // of the live run
     this.truth?.addEventListener("change", () => this.again());
+    this.tracked?.addEventListener("change", () => this.again());
     this.zoom?.addEventListener("change", () => this.place());
     this.onArm?.addEventListener("change", () => this.again());
   }
@@ -91,8 +93,9 @@ export class Camera {
   /** @param {Moment} moment */
   address({ trial, t }) {
     const truth = this.truth && !this.truth.checked ? "&truth=false" : "";
+    const tracked = this.tracked && !this.tracked.checked ? "&tracked=false" : "";
     const camera = this.onArm?.checked ? "&camera=arm" : "";
-    return `${this.api}/camera.jpg?trial=${trial}${truth}${camera}&t=${t.toFixed(2)}`;
+    return `${this.api}/camera.jpg?trial=${trial}${tracked}${truth}${camera}&t=${t.toFixed(2)}`;
   }
 
   async load() {

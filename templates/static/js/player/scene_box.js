@@ -111,7 +111,7 @@ export class SceneBox {
     view.canvas.setAttribute("role", "img");
     view.canvas.setAttribute(
       "aria-label",
-      "3-D scene of the vehicle above the target. Arrow keys turn the view, with Shift they move it, " +
+      "3-D scene of the vehicle and what is below it. Arrow keys turn the view, with Shift they move it, " +
         "plus and minus zoom. In the free view W, A, S, D, Q and E fly.",
     );
     if (this.last) this.show(...this.last);
@@ -189,7 +189,8 @@ export class SceneBox {
     const scene = await this.fetchScene(this.data.api, query);
     if (this.sceneKey !== key || !scene) return;
     this.waterKey = key;
-    const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.workpiece, scene.seabed]);
+    const bottom = scene.seabed.painted ? level : null;
+    const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.workpiece, scene.seabed, bottom]);
     if (solid === this.solid) {
       view.setWater(scene.water, scene.light);
       return;

@@ -6,6 +6,7 @@ import { Player } from "../player/player.js";
 import { Curve } from "./curve.js";
 import { about, duration, Estimate } from "./estimate.js";
 import { listen, RowFeed } from "./live.js";
+import { RecognitionPart } from "./recognition.js";
 
 /** @type {PlayerData} */
 const data = dataOf("run-data");
@@ -14,6 +15,8 @@ const element = (name) => maybe(document, `[data-${name}]`, HTMLElement);
 const player = new Player(need(document, "[data-player]", HTMLElement), data);
 const feed = new RowFeed(player);
 const curves = all(document, "[data-curve-plot]", HTMLElement).map((box) => new Curve(box));
+const recognitionBox = element("recognition");
+const recognition = recognitionBox && new RecognitionPart(recognitionBox, data, player);
 let refreshing = 0;
 let estimate = newEstimate();
 let logHasGap = false; // a program that prints a lot is not shown completely while it runs
@@ -155,6 +158,7 @@ function follow() {
       data.live = false;
       await refresh();
       await player.ended();
+      recognition?.load();
       if (logHasGap) await loadLog();
     },
   });

@@ -62,8 +62,8 @@ export class Cameras {
 
   /** @param {Pick<SceneData, "target" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description */
   describe({ target, camera, vehicles }) {
-    this.target = TO_SCREEN(new Vector3(...target.centre));
-    this.described = true;
+    if (target) this.target = TO_SCREEN(new Vector3(...target.centre));
+    this.described = target !== null;
     this.optics = camera;
     const length = Math.max(...(vehicles[0].shape?.hull ?? []).map(({ size }) => size[0]), 0);
     this.near = length > 1 ? 1 : 0.62; // a small vehicle is looked at from nearby
@@ -104,7 +104,8 @@ export class Cameras {
    * @param {Vector3[]} positions
    */
   frame(positions) {
-    const points = [...positions.map(TO_SCREEN), this.target];
+    const points = positions.map(TO_SCREEN);
+    if (this.described) points.push(this.target);
     const low = points.reduce((corner, point) => corner.clone().min(point));
     const high = points.reduce((corner, point) => corner.clone().max(point));
     const centre = low.add(high).multiplyScalar(0.5);

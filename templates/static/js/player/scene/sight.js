@@ -26,12 +26,12 @@ export class Sight {
   }
 
   /**
-   * vehicle: its group, with its matrix; description: of scene.json; aim: where the target is
+   * vehicle: its group, with its matrix; description: of scene.json; aim: where the target is, if there is one
    * @param {Object3D} vehicle
    * @param {Pick<SceneData, "camera" | "seabed">} description
-   * @param {Aim} aim
+   * @param {Aim | null} aim
    */
-  show(vehicle, { camera, seabed }, { centre, outline }) {
+  show(vehicle, { camera, seabed }, aim) {
     const { mount, focal, width, height } = camera;
     const eye = new Vector3(...mount).applyMatrix4(vehicle.matrix);
     // Image right is starboard (y), image down is aft (-x), the optical axis is down (z).
@@ -43,7 +43,7 @@ export class Sight {
       return eye.clone().addScaledVector(ray, Math.max(reach, 0)).toArray();
     });
     this.frustum.show([...corners.flatMap((corner) => [eye.toArray(), corner]), ...edges(corners)]);
-    this.line.show([eye.toArray(), centre, ...edges(outline)]);
+    this.line.show(aim ? [eye.toArray(), aim.centre, ...edges(aim.outline)] : []);
   }
 }
 

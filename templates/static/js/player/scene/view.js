@@ -134,7 +134,7 @@ export class SceneView {
       const options = { letters: textures.target, ready, water: this.water, colour, ghost: index > 0 };
       return work ? new Work(work, options) : null;
     });
-    this.aim = aimAt(description.target);
+    this.aim = description.target && aimAt(description.target);
     this.particles = new Particles(depth, this.water);
     const { vehicle } = this.actors[0];
     this.shadow = new Shadow(vehicle.hull, depth, SUN, this.water);
@@ -142,7 +142,7 @@ export class SceneView {
     if (this.lamp) vehicle.group.add(this.lamp.mesh);
     this.world.add(
       seabed(description.seabed, textures.seabed, ready, this.water),
-      ...(this.works[0] ? [] : [target(description.target, textures.target, ready, this.water)]),
+      ...(description.target && !this.works[0] ? [target(description.target, textures.target, ready, this.water)] : []),
       ...this.works.flatMap((work) => work?.group ?? []),
       this.particles.points,
       this.outside,
@@ -217,7 +217,7 @@ export class SceneView {
     this.current.show(current, new THREE.Vector3(position.x, position.y, position.z - this.clearance));
     this.particles?.show(current, position, seconds);
     group.updateMatrix();
-    if (this.aim) this.sight.show(group, description, this.aim);
+    this.sight.show(group, description, this.aim);
     this.shadow?.show(group);
     this.lamp?.show(group);
     this.water.lookFrom(group, description.camera.mount, TO_SCREEN);
@@ -308,6 +308,7 @@ export class SceneView {
     const away = typeof distance === "number" ? `${distance.toFixed(1)} m` : "";
     station.name = this.works[0] ? "workpiece" : "station";
     if (this.aim) station.show(camera, place(this.aim.centre), away);
+    else station.hide();
     if (this.cameras.mode === "camera") vehicle.hide();
     else vehicle.show(camera, place(followed.group.position.toArray()), "");
   }
