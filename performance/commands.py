@@ -25,6 +25,7 @@ TABLES = {
     "neighbours": "sandbox.neighbours",
     "leaks": "sandbox.leaks",
     "camera": "perception.camera",
+    "training_images": "perception.training_images",
     "trackers": "perception.trackers.page",
     "leaderboard": "service.database.leaderboard",
     "many_runs": "service.database.many_runs",

@@ -5,29 +5,19 @@ run. The bytes of the archive depend on configuration, seed and rows alone: ther
 and the compression level is fixed.
 """
 
-import csv
-import io
-import json
-import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import cv2
-import numpy as np
-
 from seamark.sim.camera.camera import Camera
+from seamark.sim.engine.archive_writing import Line, csv_lines, json_file, png, zipped
 from seamark.sim.engine.dataset_layouts import Coco, Layout, Tum, Yolo
 from seamark.sim.engine.replay import CameraFrame, Replay, Row, trial_and_level
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import INDEX, Digest, Rows
 from seamark.sim.settings.configuration import Configuration
 
-Line = list[object]
-
-FOLDER = "seamark-dataset"
 SEAMARK = "seamark"  # the layout that has everything
-_PNG_LEVEL = 1  # fast; noise does not compress anyway
 _STATE = ("x", "y", "z", "roll", "pitch", "yaw", "u", "v", "w", "p", "q", "r")
 _CORNERS = tuple(f"{axis}{corner}" for corner in range(4) for axis in ("corner_u", "corner_v"))
 COLUMNS = (
@@ -156,7 +146,7 @@ def archive(
         program_sha256=program_sha256,
         layout=layout,
     )
-    return _zipped(members)
+    return zipped(members)
 
 
 def _members(
@@ -178,8 +168,8 @@ def _members(
     command += selection.options(trial) + (f" --format {layout}" if layout != SEAMARK else "")
     text = written.readme.format(benchmark=benchmark, count=count, colours=colours, command=command)
     yield "README.md", text.encode()
-    yield "configuration.json", _json(config.model_dump(mode="json"))
-    yield "camera.json", _json(_cameras(replay, selected, config))
+    yield "configuration.json", json_file(config.model_dump(mode="json"))
+    yield "camera.json", json_file(_cameras(replay, selected, config))
     digest = Digest()
     digest.add(rows)
     manifest_ = manifest(
@@ -193,12 +183,12 @@ def _members(
         pictures=asdict(selection)
         | {"end_s": None if selection.end_s > 1e300 else selection.end_s},
     )
-    yield "manifest.json", _json(manifest_)
+    yield "manifest.json", json_file(manifest_)
     if layout == SEAMARK:
         yield from _starts(replay, config, rows, selected, colour=selection.colour)
     for number, row in enumerate(selected):
         frame, name = replay.frame(row), f"{number:06d}.png"
-        yield f"{written.images}/{name}", _png(frame, colour=selection.colour)
+        yield f"{written.images}/{name}", _image(frame, colour=selection.colour)
         yield from written.add(name, row, frame)
     yield from written.end()
 
@@ -218,7 +208,7 @@ class _Seamark:
 
     def end(self) -> Iterator[tuple[str, bytes]]:
         """Yield the truth."""
-        yield "groundtruth.csv", _csv(COLUMNS, self._lines)
+        yield "groundtruth.csv", csv_lines([COLUMNS, *self._lines])
 
 
 LAYOUTS: Mapping[str, Callable[[], Layout]] = {
@@ -242,8 +232,8 @@ def _starts(
             name = f"{level:03d}-{number:02d}.png" if number else f"{level:03d}.png"
             given = [float(value) for value in corners.ravel()]
             lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *given])
-            yield f"starts/{name}", _png(frame, colour=colour)
-    yield "starts.csv", _csv(STARTS, lines)
+            yield f"starts/{name}", _image(frame, colour=colour)
+    yield "starts.csv", csv_lines([STARTS, *lines])
 
 
 def _levels(selected: Rows) -> list[tuple[int, int]]:
@@ -272,14 +262,6 @@ def _cameras(replay: Replay, selected: Rows, config: Any) -> dict[str, Any]:
     }
 
 
-def _csv(head: tuple[str, ...], lines: Iterable[Line]) -> bytes:
-    table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(lines)
-    return table.getvalue().encode()
-
-
 def _optics(camera: Camera) -> dict[str, Any]:
     focal, u0, v0 = map(float, camera.optics.intrinsics())
     matrix = [[focal, 0.0, u0], [0.0, focal, v0], [0.0, 0.0, 1.0]]
@@ -297,43 +279,5 @@ def _line(number: int, name: str, row: Row, frame: CameraFrame) -> Line:
     return [number, name, *trial_and_level(row), *state, *truth, int(inside)]
 
 
-def _png(frame: CameraFrame, *, colour: bool) -> bytes:
-    image = frame.colour() if colour else frame.grey()
-    encoded, png = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, _PNG_LEVEL])
-    if not encoded:
-        raise RuntimeError("OpenCV could not encode an image")
-    return bytes(np.asarray(png).tobytes())
-
-
-def _json(value: object) -> bytes:
-    return (json.dumps(value, indent=2, allow_nan=False) + "\n").encode()
-
-
-class _Sink(io.RawIOBase):
-    """A file that keeps what is written until it is taken, for streaming an archive."""
-
-    def __init__(self) -> None:
-        self.pending = bytearray()
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: Any) -> int:  # anything with a buffer
-        self.pending += data
-        return len(data)
-
-    def take(self) -> bytes:
-        piece = bytes(self.pending)
-        self.pending.clear()
-        return piece
-
-
-def _zipped(members: Iterable[tuple[str, bytes]]) -> Iterator[bytes]:
-    sink = _Sink()
-    with zipfile.ZipFile(sink, "w", zipfile.ZIP_STORED) as file:
-        for name, data in members:
-            entry = zipfile.ZipInfo(f"{FOLDER}/{name}")  # its date is 1980: the same bytes always
-            entry.external_attr = 0o644 << 16
-            file.writestr(entry, data)
-            yield sink.take()
-    yield sink.take()
+def _image(frame: CameraFrame, *, colour: bool) -> bytes:
+    return png(frame.colour() if colour else frame.grey())

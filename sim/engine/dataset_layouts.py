@@ -9,16 +9,21 @@ from collections.abc import Iterator
 from math import sqrt
 from typing import Protocol
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from seamark.sim.engine.image_polygons import (
+    CORNER,
+    Points,
+    area,
+    coco_box,
+    coco_key_points,
+    seen_part,
+    upright,
+    whole,
+)
 from seamark.sim.engine.replay import CameraFrame, Row
 from seamark.sim.recording.telemetry import INDEX
 
-Points = NDArray[np.float64]  # (n, 2) [px]
-_CORNER = 0.5  # [px] from the corner of a pixel to its centre
-_LEAST_AREA = 1.0  # [px²] of a target that counts as seen
 _NAMES = ("upper left", "upper right", "lower right", "lower left")
 
 _BEGIN = """\
@@ -63,25 +68,21 @@ class Coco:
 
     def add(self, name: str, row: Row, frame: CameraFrame) -> Iterator[tuple[str, bytes]]:
         """Note the image and its target."""
-        width, height = _size(frame)
+        width, height = size = _size(frame)
         number = len(self._images) + 1
         image = {"id": number, "file_name": name, "width": width, "height": height}
         self._images.append(image)
-        seen = seen_part(frame)
+        seen = seen_part(_corners(frame), size)
         if seen is not None:
-            (left, upper), (right, lower) = seen.min(axis=0), seen.max(axis=0)
-            corners = [
-                [float(u), float(v), 2] if 0 <= u <= width and 0 <= v <= height else [0, 0, 0]
-                for u, v in _corners(frame)
-            ]
+            corners = coco_key_points(_corners(frame), size)
             self._annotations.append(
                 {
                     "id": len(self._annotations) + 1,
                     "image_id": number,
                     "category_id": 1,
                     "segmentation": [seen.ravel().tolist()],
-                    "area": _area(seen),
-                    "bbox": [float(one) for one in (left, upper, right - left, lower - upper)],
+                    "area": area(seen),
+                    "bbox": coco_box(seen),
                     "iscrowd": 0,
                     "keypoints": [value for corner in corners for value in corner],
                     "num_keypoints": sum(corner[2] > 0 for corner in corners),
@@ -119,12 +120,10 @@ class Yolo:
 
     def add(self, name: str, row: Row, frame: CameraFrame) -> Iterator[tuple[str, bytes]]:
         """Yield the label of an image."""
-        seen, corners = seen_part(frame), _corners(frame)
-        line = ""
+        size, corners = _size(frame), _corners(frame)
+        seen, line = seen_part(corners, size), ""
         if seen is not None:
-            size = np.array(_size(frame))
-            whole = ((corners >= 0.0) & (corners <= size)).all()
-            shares = (corners if whole else _upright(seen)) / size
+            shares = (corners if whole(corners, size) else upright(seen)) / np.array(size)
             line = " ".join(["0", *(f"{share:.8f}" for share in shares.ravel())]) + "\n"
         yield f"labels/{name.removesuffix('.png')}.txt", line.encode()
 
@@ -177,37 +176,9 @@ def camera_orientation(roll: float, pitch: float, yaw: float) -> tuple[float, fl
     return half * (x + y), half * (y - x), half * (z + w), half * (w - z)
 
 
-def seen_part(frame: CameraFrame) -> Points | None:
-    """Return the polygon of the target's top that is inside of the image; None if none is."""
-    corners = _corners(frame)
-    if not np.isfinite(corners).all():
-        return None
-    width, height = _size(frame)
-    image = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
-    inside = ((corners >= 0.0) & (corners <= (width, height))).all()
-    if inside:
-        return corners
-    area, polygon = cv2.intersectConvexConvex(corners.astype(np.float32), image)
-    if area < _LEAST_AREA or polygon is None:
-        return None
-    points: Points = np.clip(polygon.reshape(-1, 2).astype(np.float64), 0.0, (width, height))
-    return points
-
-
 def _corners(frame: CameraFrame) -> Points:
-    return frame.corners() + _CORNER
+    return frame.corners() + CORNER
 
 
 def _size(frame: CameraFrame) -> tuple[int, int]:
     return frame.camera.optics.width, frame.camera.optics.height
-
-
-def _upright(points: Points) -> Points:
-    (left, upper), (right, lower) = points.min(axis=0), points.max(axis=0)
-    return np.array([[left, upper], [right, upper], [right, lower], [left, lower]])
-
-
-def _area(polygon: Points) -> float:
-    """Return the area by the shoelace formula [px²]."""
-    u, v = polygon.T
-    return float(0.5 * abs(np.dot(u, np.roll(v, -1)) - np.dot(v, np.roll(u, -1))))

@@ -53,6 +53,12 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             f"The images of a ranked run would reveal the hidden seeds of {view.benchmark}, which "
             "other runs have too. Start a practice run with the same configuration instead.",
         )
+    if registry.benchmark(view.benchmark).role == "detector":
+        raise Problem(
+            "conflict",
+            f"A run of {view.benchmark} has no data set. "
+            f"`seamark dataset {view.benchmark} --images 1000` draws as many images as you want.",
+        )
     files = access.files_of(view)
     try:
         download = _one_at_a_time.take()

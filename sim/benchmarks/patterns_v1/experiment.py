@@ -1,14 +1,16 @@
 """Pattern recognition over levels of optical depth, each above a bottom of its own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from seamark.sim.benchmarks.patterns_v1.scenario import OPTICS, draw_conditions, draw_scenario
 from seamark.sim.benchmarks.patterns_v1.settings import PatternsConfiguration
+from seamark.sim.benchmarks.patterns_v1.training import IMAGES, labelled_scene
 from seamark.sim.camera.bottom.camera import BottomCamera
 from seamark.sim.detectors import Detector, make
 from seamark.sim.engine.detection_loop import DetectionLoop, Oracle
 from seamark.sim.engine.experiment import Level, TrialPlan, TrialScore
+from seamark.sim.engine.labelled_images import LabelledImage
 from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.recognition import AP, METRICS, level_metrics
 from seamark.sim.metrics.tracking import held_value
@@ -19,6 +21,8 @@ from seamark.sim.registry import REFERENCE_DETECTORS
 
 class Patterns:
     """A `seamark.sim.engine.experiment.Experiment` that compares detectors."""
+
+    images_per_scene = IMAGES
 
     def built_in(self, name: str, config: PatternsConfiguration) -> Detector | Oracle | None:
         """Return a reference entry, or None: a level then uses the configured detector."""
@@ -67,6 +71,12 @@ class Patterns:
     ) -> BottomCamera:
         """Return the camera of a level: no image is special."""
         return self.camera(config, seed=seed, trial=trial, level=level)
+
+    def labelled_scene(
+        self, config: PatternsConfiguration, number: int, *, seed: int, images: int
+    ) -> Iterator[LabelledImage]:
+        """Yield the first images of a scene to train with."""
+        yield from labelled_scene(config, number, seed=seed, images=images)
 
     def metrics(self, config: PatternsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level with its optical depth."""

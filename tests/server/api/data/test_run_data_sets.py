@@ -45,3 +45,12 @@ def test_a_ranked_run_of_a_first_version_has_no_data_set(site: Site) -> None:
 
     assert answer.status_code == 409
     assert "hidden seeds" in json.loads(answer.data)["detail"]
+
+
+def test_a_run_of_a_detector_has_no_data_set_but_says_how_to_draw_images(site: Site) -> None:
+    run_id = site.succeeded(benchmark="patterns-v1", controller="built-in", title="")
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
+
+    assert answer.status_code == 409
+    assert "seamark dataset patterns-v1 --images" in json.loads(answer.data)["detail"]
