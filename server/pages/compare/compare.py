@@ -15,6 +15,7 @@ from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.record.seeds import trial_seeds
 from seamark.server.runs.record.solutions import entry_name
 from seamark.server.runs.showing import run_lists
+from seamark.server.runs.showing.compared_curves import compared_curves
 from seamark.server.runs.showing.comparison import reference_entries
 from seamark.server.runs.showing.run_lists import RunFilter
 from seamark.server.runs.showing.side_by_side import (
@@ -133,6 +134,8 @@ def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, 
         "levels": comparison.levels,
         "level_s": _level_s(runs, comparison),
         "charts": _charts(runs),
+        "curves": compared_curves(runs),
+        "detections": all(map(_has_detections, runs)),
         "columns_max": COLUMNS_MAX,
     }
 
@@ -146,6 +149,13 @@ def _columns(run: RunView) -> list[dict[str, str]]:
     except StorageUnavailable:
         return []
     return [{"name": column.name} for column in telemetry.columns(width)]
+
+
+def _has_detections(run: RunView) -> bool:
+    """Return whether the images of a run show answers of a detector instead of one target."""
+    benchmark = registry.benchmark(run.benchmark)
+    with vehicles.lent_to(services().settings, run):
+        return telemetry.has_detections(benchmark.restore(run.config).telemetry_shape()[1])
 
 
 def _trial_s(run: RunView) -> float:

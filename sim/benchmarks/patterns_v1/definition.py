@@ -6,6 +6,8 @@ colour, lettering and code, burial, growth, light, particles. The score is the a
 precision over the optical depth.
 """
 
+from collections.abc import Mapping
+
 from seamark.sim.benchmarks.benchmark import (
     Baseline,
     Benchmark,
@@ -44,6 +46,12 @@ MARKS = {
     "oracle": Baseline("Oracle: the true corners", "oracle"),
 }
 
+
+def solution_label(config: Mapping[str, object]) -> str:
+    """Return the name of a built-in detector."""
+    return str(config.get("detector", ""))
+
+
 BENCHMARK = Benchmark(
     name="patterns-v1",
     title="Pattern recognition in turbid water",
@@ -56,6 +64,7 @@ BENCHMARK = Benchmark(
     role="detector",
     error_column=None,
     built_in={"built-in": "Built-in detector"},
+    solution_label=solution_label,
     experiment="seamark.sim.benchmarks.patterns_v1.experiment:EXPERIMENT",
     headline=SCORE,
     score_bar_max=6.0,

@@ -219,6 +219,15 @@ export interface ComparedChart {
   unit: string;
 }
 
+/** A chart of one metric over the levels; the lines are in the order of the runs. */
+export interface ComparedCurve {
+  title: string;
+  unit: string;
+  x_label: string;
+  limit: number;
+  lines: { x: number[]; values: number[] }[];
+}
+
 /** `compare-data` of the page that compares runs. */
 export interface CompareData {
   api: string;
@@ -228,6 +237,7 @@ export interface CompareData {
   levels: string[];
   level_s: number;
   charts: ComparedChart[];
+  curves: ComparedCurve[];
   columns_max: number;
 }
 

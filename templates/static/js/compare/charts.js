@@ -9,6 +9,7 @@ import { linearRange } from "../player/chart_scales.js";
 import { colour } from "../player/colours.js";
 import { short } from "../player/formatting.js";
 import { valueAt } from "../player/samples.js";
+import { COLOURS, DASHES } from "./lines.js";
 
 const HEIGHT = 180;
 const INITIAL = 3; // number of charts shown initially
@@ -16,8 +17,6 @@ const ROOM = 0.2; // above the lines, for the names of the levels
 const { uPlot: Plot } = window;
 
 // The colour of a run, and a dash so that lines differ without colours too.
-const COLOURS = ["--chart-1", "--chart-2", "--chart-3", "--chart-4", "--chart-5"];
-const DASHES = [[], [], [6, 3], [2, 3], [10, 3, 2, 3]];
 
 /** @typedef {{chart: ComparedChart, plot: uPlot, readout: HTMLElement, line: HTMLElement}} ShownChart */
 

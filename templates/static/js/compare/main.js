@@ -6,6 +6,7 @@ import { Playhead, SPEEDS } from "../player/playhead.js";
 import { Cameras } from "./cameras.js";
 import { OverlaidCharts } from "./charts.js";
 import { Ghosts } from "./ghosts.js";
+import { showLevelCurves } from "./level_curves.js";
 import { ComparedStages } from "./stages.js";
 
 const POINTS_MAX = 1500; // of each run and chart
@@ -35,6 +36,13 @@ const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").s
 const cameras = new Cameras(data, playhead);
 const ghosts = new Ghosts(root, data, playhead);
 const stages = new ComparedStages(data, playhead);
+const curveBox = maybe(document, "[data-level-curves]", HTMLElement);
+if (curveBox)
+  showLevelCurves(
+    curveBox,
+    data.curves,
+    data.runs.map(({ id }) => id),
+  );
 let requested = 0;
 /** @type {number | null} */
 let frame = null; // the next animation frame, while playing
