@@ -43,6 +43,9 @@ SCORE = Metric(
 MARKS = {
     "nothing": Baseline("Nothing: no answer at all", "nothing"),
     "random": Baseline("Random boxes", "random"),
+    "orb": Baseline("ORB features", "built-in", {"detector": "orb"}),
+    "markers": Baseline("ArUco and AprilTag", "built-in", {"detector": "markers"}),
+    "template": Baseline("Template matching", "built-in", {"detector": "template"}),
     "oracle": Baseline("Oracle: the true corners", "oracle"),
 }
 
