@@ -12,7 +12,17 @@ COLUMNS = (
     *("level", "speed", "rmse_m", "p95_m", "rmse_px", "mean_x_px", "mean_y_px"),
     *("settling_s", "lost_percent", "points"),
     *("credit", "turned_deg", "time_s", "push_n", "hull_n"),
-    *("value", "optical_depth", "p5_percent", "p1_percent", "corner_px", "not_admitted_percent"),
+    *(
+        "value",
+        "optical_depth",
+        "ap_percent",
+        "f_measure",
+        "hit_corner_px",
+        "p5_percent",
+        "p1_percent",
+        "corner_px",
+        "not_admitted_percent",
+    ),
 )
 
 

@@ -20,6 +20,8 @@ ERRORS = {
     "controller": ("distance", "Distance from the station", "m"),
     "tracker": ("tracker_error", "Error of the tracker", "px"),
 }
+# Kinds of charts that runs do not have: detectors see single images, on a prescribed path.
+NOT_OF: Mapping[str, tuple[str, ...]] = {"detector": ("error", "current")}
 ERROR_OF_ARM = ("reach", "Distance of the tool from the grip", "m")
 
 
@@ -158,7 +160,7 @@ def charts(
     Raises
     ------
     UsageRefused
-        The runs are of different benchmarks, or have no such trial.
+        The runs are of different benchmarks, or have no such trial or no such chart.
     """
     names = list(dict.fromkeys(result.benchmark for result in results))
     if len(names) > 1:
@@ -170,7 +172,12 @@ def charts(
             count = len(np.unique(result.rows["trial"]))
             trials = "1 trial" if count == 1 else f"{count} trials"
             raise UsageRefused(f"{result.name} has {trials}, counted from 1.")
-    return [KINDS[kind](results, trial, points) for kind in kinds]
+    shown = [
+        kind for kind in kinds if kind not in NOT_OF.get(registry.benchmark(names[0]).role, ())
+    ]
+    if not shown:
+        raise UsageRefused(f"Runs of {names[0]} have no chart of this kind: choose another.")
+    return [KINDS[kind](results, trial, points) for kind in shown]
 
 
 def _stretches(count: int, points: int) -> NDArray[np.intp]:

@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]  # (H, W) grey, or (H, W, 3) blue, green, red
+Image = NDArray[np.uint8]  # (H, W) grey, or (H, W, 3) red, green, blue
 Corners = NDArray[np.float64]  # (4, 2) [px]
 MOST = 64  # detections in one image; the less confident ones are left out
 _GREEN = 1

@@ -6,6 +6,7 @@ from enum import Enum
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seamark.sim.camera.bottom.camera import BottomCamera, Seen
 from seamark.sim.camera.bottom.things import OBJECTS
@@ -56,7 +57,7 @@ class DetectionLoop:
         """Set up a level."""
         self._path, self._camera = path, camera
         self._detector = None if isinstance(detector, Oracle) else detector
-        self._show = camera.colour if config.colour else camera.grey
+        self._show = self._colour if config.colour else camera.grey
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._start_s = level * config.level_duration_s
@@ -75,6 +76,10 @@ class DetectionLoop:
 
     def close(self) -> None:
         """Do nothing: this loop holds no resources."""
+
+    def _colour(self, motion: Row, frame: int) -> NDArray[np.uint8]:
+        """Return the image (H, W, 3) as programs get it: red, green, blue (docs/protocol.md)."""
+        return np.ascontiguousarray(self._camera.colour(motion, frame)[:, :, ::-1])
 
     def _step(self, step: int, row: Row) -> None:
         """Show the detector an image, and fill the row."""

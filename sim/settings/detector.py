@@ -25,7 +25,7 @@ class DetectorSettings(Configuration):
     colour: bool = detector_setting(
         False,
         title="Colour images",
-        help="Whether it gets colour images (height, width, 3) in blue, green, red instead of grey "
+        help="Whether it gets colour images (height, width, 3) in red, green, blue instead of grey "
         "ones.",
     )
 

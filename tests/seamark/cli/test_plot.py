@@ -47,6 +47,22 @@ def test_the_document_has_the_numbers_of_the_telemetry(results: Path) -> None:
     assert levels["lines"][0]["y"] == [level["rmse_m"] for level in metrics["levels"]]
 
 
+def test_a_run_of_a_detector_is_drawn_by_its_path_and_levels_as_it_has_no_error(
+    tmp_path: Path,
+) -> None:
+    settings = ("--set", "optical_depths=0", "--set", "level_duration_s=2")
+    folder = str(tmp_path / "r")
+    seamark("run", "patterns-v1", *settings, "--out", folder)
+
+    every = seamark("plot", folder, "--json")
+    error = seamark("plot", folder, "--only", "error")
+
+    titles = [chart["title"] for chart in json.loads(every.output)["charts"]]
+    assert titles == ["Path of the vehicle from above [m]", "Average precision [%] of each level"]
+    assert error.exit_code == 2
+    assert "Runs of patterns-v1 have no chart of this kind" in error.output
+
+
 def test_a_run_with_an_arm_is_drawn_by_how_far_its_tool_is_from_the_grip(tmp_path: Path) -> None:
     settings = ("--set", "levels=0.1", "--set", "level_duration_s=2")
     seamark("run", "recover-v1", "--controller", "nothing", *settings, "--out", str(tmp_path / "r"))

@@ -30,9 +30,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
         "seamark/Valve-v1": "valve-v1",
         "seamark/Connect-v1": "connect-v1",
     }.items() <= seamark.gym.BENCHMARKS.items()
-    with_one = {
-        name for name in registry.BENCHMARKS if registry.benchmark(name).role != "detector"
-    }
+    with_one = {name for name in registry.BENCHMARKS if registry.benchmark(name).role != "detector"}
     assert set(seamark.gym.BENCHMARKS.values()) == with_one
 
 

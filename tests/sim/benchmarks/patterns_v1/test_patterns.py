@@ -140,6 +140,8 @@ def test_a_detector_gets_grey_images_unless_it_asks_for_colour() -> None:
     assert grey.images[0].shape == (240, 320)
     assert colour.images[0].shape == (240, 320, 3)
     assert np.array_equal(colour.images[3][:, :, 1], grey.images[3])
+    reds, _, blues = colour.images[0].reshape(-1, 3).mean(axis=0)
+    assert reds > blues  # of sand and gravel as of grass: red comes first
 
 
 def test_every_image_can_be_rendered_again_from_its_row() -> None:
