@@ -110,5 +110,6 @@ BENCHMARK = Benchmark(
         ),
     },
     reference_built_in={name: MARKS[name].title for name in ("nothing", "random", "oracle")},
+    scale=(0.0, 6.0),  # ./run performance patterns_headroom
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
 )
