@@ -29,6 +29,7 @@ WAKE_UPS_MAX = 100
 ATTEMPTS_MAX = 2  # the second one that breaks is reported
 CLAIMS_MAX = 6  # among them those of workers that were stopped or died
 WAITING_MAX = 20
+SEEN = "seen"  # of a report: what the images of a detector are rendered from
 DONE_KEPT_S = 3600.0  # until a finished check is deleted
 QUEUED_KEPT_S = 600.0  # until a check that no worker claimed is deleted
 _log = structlog.get_logger()
@@ -73,6 +74,7 @@ class CheckView:
     id: int
     state: CheckState
     benchmark: str
+    config: dict[str, Any]
     program_name: str
     language: str
     report: dict[str, Any] | None  # see seamark.programs.check_report
@@ -242,6 +244,7 @@ def show(session: Session, check_id: int, user_id: int) -> CheckView | None:
         id=check.id,
         state=CheckState(check.state),
         benchmark=check.benchmark,
+        config=check.config,
         program_name=check.program_name,
         language=check.language,
         report=check.answer,

@@ -14,6 +14,7 @@ from seamark.sim.detectors import Detection, Detector
 from seamark.sim.engine.open_loop import Path, Row, Timing
 from seamark.sim.metrics.detection import COUNTS, Object, match
 from seamark.sim.recording.telemetry import (
+    DELIVERED_ROWS,
     INDEX,
     OBJECT_COLUMNS,
     STEP_US,
@@ -66,7 +67,8 @@ class DetectionLoop:
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the detector raises."""
-        recorder = Recorder(on_rows, width=width_for(0, detections=True))
+        together = min(max(round(1.0 / self._dt), 1), DELIVERED_ROWS)  # once a simulated second
+        recorder = Recorder(on_rows, width=width_for(0, detections=True), together=together)
         try:
             for step in range(self._steps):
                 self._step(step, recorder.next_row())

@@ -263,10 +263,10 @@ def thrusts(rows: Rows) -> Rows:
 
 
 class Recorder:
-    """Collects the rows of one level and passes copies on, `DELIVERED_ROWS` at a time."""
+    """Collects the rows of one level and passes copies on, so many at a time."""
 
-    def __init__(self, on_rows: OnRows, *, width: int) -> None:
-        self._buffer = np.zeros((DELIVERED_ROWS, width))
+    def __init__(self, on_rows: OnRows, *, width: int, together: int = DELIVERED_ROWS) -> None:
+        self._buffer = np.zeros((together, width))
         self._filled = 0
         self._on_rows = on_rows
 

@@ -1,5 +1,6 @@
 """What is recorded of a check, for its report. Importing it does not load the simulator."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,12 @@ from numpy.typing import NDArray
 from seamark.programs import check_report, parameters, trial_limits
 from seamark.programs.check_report import CheckOutcome
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import INDEX, STEP_US
+from seamark.sim.recording.telemetry import INDEX, STEP_US, has_detections
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome
 
 SEED = 1  # the same for all checks, so that they are repeatable
+IMAGES = 5  # of a detector that its owner sees with the answers
 LOG_MAX = 64 * 1024  # [B] kept of what the program prints
 Rows = NDArray[np.float64]
 
@@ -23,9 +25,15 @@ class CheckRecorder:
     def __init__(self) -> None:
         self._outcome = CheckOutcome()
         self._log = bytearray()
+        self._images: list[list[float | None]] = []
 
     def rows(self, rows: Rows) -> None:
-        """Keep how long each answer took."""
+        """Keep how long each answer took, and the first rows of a detector."""
+        if has_detections(rows.shape[1]):
+            self._images += [
+                [value if math.isfinite(value) else None for value in row]
+                for row in rows[: IMAGES - len(self._images)].tolist()
+            ]
         self._outcome.step_us += rows[:, STEP_US].tolist()
         self._outcome.t_simulated = float(rows[-1, INDEX["t"]])
 
@@ -39,7 +47,11 @@ class CheckRecorder:
 
     def trial_restarted(self, trial: int, reason: str) -> None:
         """Discard everything: the host was slow."""
-        self._outcome, self._log = CheckOutcome(), bytearray()
+        self._outcome, self._log, self._images = CheckOutcome(), bytearray(), []
+
+    def seen(self) -> dict[str, Any]:
+        """Return what the images are rendered from: the seed, and the row of each as JSON."""
+        return {"seed": SEED, "rows": self._images}
 
     def report(self, job: Job, run: RunOutcome) -> dict[str, Any]:
         """Return the report, which compares the steps with what a whole run may use."""

@@ -22,7 +22,7 @@ from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring import log, meters
 from seamark.server.monitoring.outages import Outage
 from seamark.server.programs import check_queue
-from seamark.server.programs.check_queue import CheckClaim
+from seamark.server.programs.check_queue import SEEN, CheckClaim
 from seamark.server.runs.data.files import StorageFailed
 from seamark.server.settings import Settings
 from seamark.server.storage import storage
@@ -165,7 +165,7 @@ class CheckLoop:
         )
         with self._simulator.begin(job) as simulation:
             outcome = simulation.run(recorder, watch)
-        return recorder.report(job, outcome)
+        return recorder.report(job, outcome) | {SEEN: recorder.seen()}
 
     def _wait_warm(self) -> bool:
         """Wait until the simulator is warm: before that, other workers should have the check."""

@@ -28,6 +28,12 @@ class CheckQuery(Query):
     )
 
 
+class CheckImageQuery(Query):
+    """Which of the first images of a detector."""
+
+    image: int = Field(0, ge=0, le=100, description="Counted from 0")
+
+
 class ParameterResponse(ResponseModel):
     """A parameter of a program."""
 
@@ -55,6 +61,10 @@ class CheckResponse(ResponseModel):
     t_simulated: float
     usage: dict[str, float] | None
     step_us: dict[str, float] | None
+    images: list[str] = Field(
+        default_factory=list,
+        description="addresses of the first images that a detector was shown, with its answers",
+    )
     parameters: list[ParameterResponse] = Field(
         default_factory=list, description="that the program declares; only in the answer to POST"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any, BinaryIO, cast
 
+import numpy as np
 from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
@@ -14,9 +15,15 @@ from seamark.programs import check_report, configurations
 from seamark.programs.preparation import PreparedProgram
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.requests import refusals, request_body
+from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import RunRequest
-from seamark.server.api.runs.check_schemas import CheckPath, CheckQuery, CheckResponse
+from seamark.server.api.runs.check_schemas import (
+    CheckImageQuery,
+    CheckPath,
+    CheckQuery,
+    CheckResponse,
+)
 from seamark.server.api.runs.vehicles import vehicle_of, with_vehicle
 from seamark.server.messaging import workers
 from seamark.server.programs import check_queue, store, vehicles
@@ -24,7 +31,7 @@ from seamark.server.programs.check_queue import CheckState, CheckView
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.submission import submission, validation
 from seamark.server.runs.submission.validation import SubmissionRejected
-from seamark.server.web import access, rate_limits
+from seamark.server.web import access, caching, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -84,6 +91,27 @@ def show(path: CheckPath) -> Response:
         response.headers["Retry-After"] = str(RETRY_S)
     response.headers["Cache-Control"] = "no-store"
     return response
+
+
+@api.get("/checks/<int:check_id>/camera.jpg", responses=answers_with("image/jpeg"))
+def camera(path: CheckPath, query: CheckImageQuery) -> Response:
+    """Render one of the first images that a detector was shown, with its answers drawn in."""
+    from seamark.server.runs.showing import camera_view  # noqa: PLC0415 (it loads OpenCV)
+
+    view = _view(path.check_id, access.require_account(Action.VIEW_ACCOUNT))
+    seen = _seen(view)
+    if query.image >= len(seen["rows"]):
+        raise Problem("not-found", f"Check {view.id} has no image {query.image}.")
+    row = np.array(seen["rows"][query.image], dtype=np.float64)  # None is NaN
+    image = camera_view.render_row(view.benchmark, view.config, seen["seed"], row)
+    answer = Response(image, content_type="image/jpeg")
+    answer.add_etag()
+    return caching.conditional(answer)
+
+
+def _seen(view: CheckView) -> dict[str, Any]:
+    seen: dict[str, Any] = (view.report or {}).get(check_queue.SEEN) or {"rows": []}
+    return seen
 
 
 def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
@@ -146,7 +174,12 @@ def _response(view: CheckView, more: dict[str, Any]) -> Response:
 def _document(view: CheckView) -> dict[str, Any]:
     report = view.report or check_report.from_diagnostics([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
-    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | report
+    shown = {name: value for name, value in report.items() if name != check_queue.SEEN}
+    images = [
+        f"/api/v1/checks/{view.id}/camera.jpg?image={at}" for at in range(len(_seen(view)["rows"]))
+    ]
+    known = {name: getattr(view, name) for name in names} | {"state": view.state.value}
+    return known | shown | {"images": images}
 
 
 def _only_read(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
+from seamark.sandbox.languages.language import DETECTOR
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages.compare.compared_programs import program_differences
 from seamark.server.pages.previews import link_previews
@@ -153,9 +154,7 @@ def _columns(run: RunView) -> list[dict[str, str]]:
 
 def _has_detections(run: RunView) -> bool:
     """Return whether the images of a run show answers of a detector instead of one target."""
-    benchmark = registry.benchmark(run.benchmark)
-    with vehicles.lent_to(services().settings, run):
-        return telemetry.has_detections(benchmark.restore(run.config).telemetry_shape()[1])
+    return registry.benchmark(run.benchmark).role == DETECTOR
 
 
 def _trial_s(run: RunView) -> float:

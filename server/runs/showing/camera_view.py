@@ -7,11 +7,11 @@ the first image or in `warm_up`.
 import json
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import structlog
@@ -95,6 +95,14 @@ def render(
     with _lock, vehicles.lent_to(settings, run):
         seeds = trial_seeds(run, settings)
         return _rendered(run.benchmark, config, seeds, row.tobytes(), drawn)
+
+
+def render_row(benchmark: str, config: Mapping[str, Any], seed: int, row: Row) -> bytes:
+    """Return the JPEG of one row of a benchmark that needs no vehicle, with all that is drawn."""
+    seeds = TrialSeeds(benchmark=benchmark, seed=seed, submission="", secret=b"")
+    with _lock:
+        text = json.dumps(config, sort_keys=True)
+        return _rendered(benchmark, text, seeds, row.tobytes(), DRAWN)
 
 
 @lru_cache(maxsize=IMAGES_KEPT)

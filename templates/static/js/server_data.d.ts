@@ -263,6 +263,7 @@ export interface Check {
   program_name: string;
   problems: Problem[];
   step_us: { count: number } | null;
+  images?: string[]; // addresses; of a detector
   usage: { cpu_s: number; memory_mib: number } | null;
   traceback: string | null;
   output: string | null;

@@ -312,6 +312,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/api/v1/logs"): Entry(uploads, 422, options=MULTIPART),
     ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
     ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
+    ("GET", "/api/v1/checks/<int:check_id>/camera.jpg"): Entry(
+        reads_its_own, 404, "/api/v1/checks/{check}/camera.jpg"
+    ),  # it is queued: there is no image yet
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
     **_reading(*(f"/{kind.file}" for kind in FORMATS.values() if kind.converted)),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),

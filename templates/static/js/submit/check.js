@@ -109,6 +109,25 @@ function details(title, text) {
   return created;
 }
 
+/** @param {string[]} addresses of images with what the program answered */
+function pictures(addresses) {
+  const figure = element("figure", "check-images");
+  const row = element("div");
+  row.append(
+    ...addresses.map((address, index) => {
+      const image = element("img");
+      image.alt = `Image ${index + 1} with the answers of the program`;
+      image.src = address;
+      return image;
+    }),
+  );
+  const caption = element("figcaption", "small muted");
+  caption.textContent =
+    "What the program answered to the first images: hits green, false alarms red, ignored answers grey, missed objects amber.";
+  figure.append(row, caption);
+  return figure;
+}
+
 /** @param {Check} check */
 function verdict(check) {
   if (!check.ok) return "The program does not run:";
@@ -138,6 +157,7 @@ function showReport(container, check, editor) {
   }
   if (check.traceback) inner.append(details("Traceback", check.traceback));
   if (check.output) inner.append(details("Output", check.output));
+  if (check.images?.length) inner.append(pictures(check.images));
   box.append(inner);
   container.replaceChildren(box);
 }

@@ -3,12 +3,18 @@
 import io
 import json
 
+import cv2
+import numpy as np
 import pytest
 from werkzeug.test import TestResponse
 
+from seamark.programs.check_report import from_diagnostics
+from seamark.server.programs import check_queue
+from seamark.sim.recording.telemetry import INDEX
 from tests.cast import PROGRAM
 from tests.hostile.uploads.archives import Entry, beside_main
 from tests.server.api.conftest import Site
+from tests.sim.metrics.detector_rows import Answered, Image, rectangle, rows_of
 
 CHECKS = "/api/v1/checks"
 
@@ -73,3 +79,33 @@ def test_a_check_is_not_in_the_list_of_runs(site: Site) -> None:
     sent(site, PROGRAM)
 
     assert site.call("owner", "GET", "/api/v1/runs").get_json()["runs"] == []
+
+
+@pytest.mark.slow
+def test_the_first_images_of_a_detector_are_shown_to_its_owner_alone(site: Site) -> None:
+    program = (
+        b"class Detector:\n    def __init__(self, config): ...\n    def detect(self, image): ...\n"
+    )
+    check_id = sent(site, program, benchmark="patterns-v1").get_json()["id"]
+    row = rows_of([Image({}, [Answered("box", rectangle(10, 10, 80, 40))])])[0]
+    row[INDEX["z"]], row[INDEX["t"]] = 3.0, 0.5
+    values = [None if np.isnan(value) else value for value in row.tolist()]
+    with site.database.writing() as session:
+        claim = check_queue.claim(session, "w1", languages=("python",), lease_s=60.0)
+        assert claim is not None
+        seen = {check_queue.SEEN: {"seed": 1, "rows": [values]}}
+        assert check_queue.finish(session, claim, from_diagnostics([]) | seen)
+
+    document = site.call("owner", "GET", f"{CHECKS}/{check_id}").get_json()
+    first = site.call("owner", "GET", document["images"][0])
+    answers = {
+        (role, image): site.call(role, "GET", f"{CHECKS}/{check_id}/camera.jpg?image={image}")
+        for role, image in (("other", 0), ("owner", 1))
+    }
+
+    assert len(document["images"]) == 1
+    assert check_queue.SEEN not in document
+    assert first.content_type == "image/jpeg"
+    image = np.asarray(cv2.imdecode(np.frombuffer(first.data, np.uint8), 1)).astype(int)
+    assert ((image[:, :, 2] > 200) & (image[:, :, 0] < 120)).sum() > 100  # a red false alarm
+    assert {answer.status_code for answer in answers.values()} == {404}
