@@ -1,12 +1,14 @@
 """The entries of a benchmark as a scale: their order, the steps between marks, and a figure."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from performance.plots import figure
+from performance.statistics.headroom.store import store, stored
 from performance.tables import signed
 from seamark.sim.numerics.statistics import mean, mean_interval, paired_interval
 from seamark.sim.registry import benchmark
@@ -44,6 +46,22 @@ def reference_seed(name: str) -> int:
     """Return the seed of the reference trials of a benchmark."""
     protocol = benchmark(name).protocol
     return 0 if protocol is None else protocol.reference_seed
+
+
+def known_entries(name: str) -> dict[str, Measured]:
+    """Return what was measured of a benchmark, by the short names of the entries."""
+    return {key: Measured(**one) for key, one in stored(name).items()}
+
+
+def measure_and_store(
+    name: str, entries: Collection[str], measure: Callable[[str, int], Measured]
+) -> dict[str, Measured]:
+    """Measure entries of a benchmark on all cores; return all that is known."""
+    for key in entries:
+        measured = measure(key, len(os.sched_getaffinity(0)))
+        known = known_entries(name) | {key: measured}  # another process may have added some
+        store(name, {name: asdict(one) for name, one in sorted(known.items())})
+    return known_entries(name)
 
 
 def ordered(results: Mapping[str, Measured]) -> list[str]:

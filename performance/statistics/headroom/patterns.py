@@ -8,10 +8,8 @@ far the order depends on the trials, and redraws the figures patterns-v1-headroo
 and -bottoms.webp.
 """
 
-import os
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +26,7 @@ from performance.statistics.headroom.marks import (
     Measured,
     draw_headroom,
     mark_steps,
+    measure_and_store,
     number,
     ordered,
     reference_seed,
@@ -35,7 +34,6 @@ from performance.statistics.headroom.marks import (
     score_cells,
     stability,
 )
-from performance.statistics.headroom.store import store, stored
 from performance.tables import markdown_table
 from seamark.sim.benchmarks.patterns_v1.scenario import draw_scenario
 from seamark.sim.benchmarks.patterns_v1.settings import PatternsConfiguration
@@ -88,11 +86,6 @@ def _run(job: _Job) -> TrialResult:
     return run_trial(
         NAME, config, solution, seed=job.seed, trial=job.trial, on_rows=lambda _rows: None
     )
-
-
-def known_entries() -> dict[str, Measured]:
-    """Return what was measured, by the short names of the entries."""
-    return {key: Measured(**one) for key, one in stored(NAME).items()}
 
 
 def report(results: Mapping[str, Measured]) -> str:
@@ -148,12 +141,8 @@ def draw_bottoms(out: Path) -> None:
 
 def main(names: Sequence[str]) -> int:
     """Measure, store, print and draw."""
-    for key in benchmark(NAME).baselines:
-        if not names or key in names:
-            measured = measure(key, len(os.sched_getaffinity(0)))
-            known = known_entries() | {key: measured}  # another process may have added some
-            store(NAME, {name: asdict(one) for name, one in sorted(known.items())})
-    results = known_entries()
+    chosen = [key for key in benchmark(NAME).baselines if not names or key in names]
+    results = measure_and_store(NAME, chosen, measure)
     sys.stdout.write(f"{report(results)}\n\n{stability(results, dishonest=())}\n")
     draw_headroom(
         results,

@@ -9,10 +9,9 @@ how far the order depends on the trials, and redraws the figures visibility-v2-h
 KCF and ECC some minutes.
 """
 
-import os
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -30,6 +29,7 @@ from performance.statistics.headroom.marks import (
     Measured,
     draw_headroom,
     mark_steps,
+    measure_and_store,
     number,
     ordered,
     reference_seed,
@@ -37,7 +37,6 @@ from performance.statistics.headroom.marks import (
     score_cells,
     stability,
 )
-from performance.statistics.headroom.store import store, stored
 from performance.statistics.visibility_attacks import Path as CornerPath
 from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
 from performance.tables import markdown_table
@@ -159,11 +158,6 @@ def _run(job: _Job) -> TrialResult:
     )
 
 
-def known_entries() -> dict[str, Measured]:
-    """Return what was measured, by the short names of the entries."""
-    return {key: Measured(**one) for key, one in stored(NAME).items()}
-
-
 def report(results: dict[str, Measured]) -> str:
     """Return the table, lowest score first."""
     head = (
@@ -224,12 +218,8 @@ def draw_textures(out: Path) -> None:
 
 def main(names: Sequence[str]) -> int:
     """Measure, store, print and draw."""
-    for key in entries():
-        if not names or key in names:
-            measured = measure(key, len(os.sched_getaffinity(0)))
-            known = known_entries() | {key: measured}  # another process may have added some
-            store(NAME, {name: asdict(one) for name, one in sorted(known.items())})
-    results = known_entries()
+    chosen = [key for key in entries() if not names or key in names]
+    results = measure_and_store(NAME, chosen, measure)
     sys.stdout.write(f"{report(results)}\n\n{stability(results, dishonest=DISHONEST)}\n")
     draw_headroom(
         results,

@@ -12,6 +12,7 @@ from seamark.sim.metrics.recognition import METRICS
 from seamark.sim.recording.telemetry import COLUMNS, width_for
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.detector import DetectorSettings
+from seamark.sim.settings.drawn_light import camera_noise_setting, light_setting
 from seamark.sim.settings.experiment import multiple
 from seamark.sim.settings.setting import setting
 
@@ -134,29 +135,8 @@ class PatternsConfiguration(DetectorSettings):
         tag="E",
         source="about one per level",
     )
-    camera_noise_grey: float = scene_setting(
-        1.2,
-        title="Camera noise",
-        help="Standard deviation of the read noise, before the gain that makes up for the light.",
-        unit="grey",
-        low=0.8,
-        high=16,
-        tag="E",
-        source="UWSim's 0.005 of full scale is 1.3 grey levels",
-        advanced=True,
-    )
-    light_stops: float = scene_setting(
-        0.5,
-        title="Light variation",
-        help="A level has up to this many stops less light: the camera's gain makes up for it and "
-        "amplifies the noise.",
-        unit="stops",
-        low=0,
-        high=3,
-        tag="E",
-        source="what an hour changes on a bright day",
-        advanced=True,
-    )
+    camera_noise_grey: float = camera_noise_setting(group="Scene")
+    light_stops: float = light_setting(group="Scene", of="level")
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""

@@ -4,10 +4,11 @@ from performance import DOCS
 from performance.statistics.headroom.marks import (
     OTHER_TRIALS,
     REFERENCE_TRIALS,
+    known_entries,
     mark_steps,
     stability,
 )
-from performance.statistics.headroom.visibility import DISHONEST, NAME, known_entries, report
+from performance.statistics.headroom.visibility import DISHONEST, NAME, report
 from seamark.sim.registry import benchmark
 
 PAGE = DOCS / "benchmarks.md"
@@ -16,12 +17,14 @@ PAGE = DOCS / "benchmarks.md"
 def test_the_page_has_the_table_and_the_stability_of_what_was_measured() -> None:
     page = PAGE.read_text(encoding="utf-8")
 
-    assert report(known_entries()) in page
-    assert stability(known_entries(), dishonest=DISHONEST).split("order: ")[1].rstrip(".") in page
+    assert report(known_entries(NAME)) in page
+    assert (
+        stability(known_entries(NAME), dishonest=DISHONEST).split("order: ")[1].rstrip(".") in page
+    )
 
 
 def test_what_does_not_look_is_at_the_bottom_and_the_oracle_far_above_every_tracker() -> None:
-    found = known_entries()
+    found = known_entries(NAME)
     scores = {key: one.other[0] for key, one in found.items()}
     order = sorted(scores, key=lambda key: float(scores[key]))
 
@@ -31,7 +34,7 @@ def test_what_does_not_look_is_at_the_bottom_and_the_oracle_far_above_every_trac
 
 
 def test_neither_playback_nor_memory_gains_anything_in_fresh_water() -> None:
-    found = known_entries()
+    found = known_entries(NAME)
     nothing, honest = (found[key].other for key in ("nothing", "zncc-homography"))
 
     assert found["playback"].reference == 7.0
@@ -40,7 +43,7 @@ def test_neither_playback_nor_memory_gains_anything_in_fresh_water() -> None:
 
 
 def test_each_mark_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
-    steps = mark_steps(known_entries(), benchmark(NAME).baselines)
+    steps = mark_steps(known_entries(NAME), benchmark(NAME).baselines)
     below = {name: steps[name] for name in benchmark(NAME).baselines if name != "nothing"}
 
     assert all(step is not None and step[0] > 0.0 for step in below.values()), below
