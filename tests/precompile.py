@@ -21,6 +21,7 @@ from functools import partial
 from pathlib import Path
 
 from tests.sim.camera import test_link_camera
+from tests.sim.camera.bottom import test_bottom
 from tests.sim.detectors import test_detectors
 from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
@@ -88,6 +89,7 @@ def main() -> None:
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, test_bottom.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
