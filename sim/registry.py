@@ -104,10 +104,11 @@ DETECTORS = {
     "markers": "seamark.sim.detectors.markers:DETECTOR",
     "orb": "seamark.sim.detectors.orb:DETECTOR",
 }
-# Marks on the leaderboard that do not look at the image. Nobody can submit them.
+# Marks on the leaderboard: the first two do not look at the image. Nobody can submit them.
 REFERENCE_DETECTORS = {
     "nothing": "seamark.sim.detectors.references:NOTHING",
     "random": "seamark.sim.detectors.references:RANDOM",
+    "network": "seamark.sim.detectors.network:NETWORK",
 }
 
 

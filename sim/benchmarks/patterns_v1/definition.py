@@ -18,6 +18,7 @@ from seamark.sim.benchmarks.benchmark import (
     Table,
 )
 from seamark.sim.benchmarks.patterns_v1.settings import PatternsConfiguration
+from seamark.sim.detectors import network
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.recognition import (
     AP,
@@ -46,6 +47,7 @@ MARKS = {
     "orb": Baseline("ORB features", "built-in", {"detector": "orb"}),
     "markers": Baseline("ArUco and AprilTag", "built-in", {"detector": "markers"}),
     "template": Baseline("Template matching", "built-in", {"detector": "template"}),
+    "network": Baseline("Learned network", "network", notes=network.notes()),
     "oracle": Baseline("Oracle: the true corners", "oracle"),
 }
 
@@ -109,7 +111,9 @@ BENCHMARK = Benchmark(
             "Nothing buried", "All things lie free on the bottom.", {"burial": 0.0}
         ),
     },
-    reference_built_in={name: MARKS[name].title for name in ("nothing", "random", "oracle")},
+    reference_built_in={
+        name: MARKS[name].title for name in ("nothing", "random", "network", "oracle")
+    },
     scale=(0.0, 6.0),  # ./run performance patterns_headroom
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
 )

@@ -1,10 +1,12 @@
 """What the page of a run says about its log, its settings and its score."""
 
+import numpy as np
 import pytest
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.states import RunState
 from seamark.server.web.template_filters import duration
+from seamark.sim.recording.telemetry import width_for
 from tests.server.pages.conftest import Site
 
 TRACKER = b"""
@@ -97,3 +99,19 @@ def test_a_score_is_marked_where_the_scenario_is_not_that_of_the_benchmark(
 )
 def test_a_duration_never_has_sixty_of_a_unit(seconds: float, text: str) -> None:
     assert duration(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("benchmark", "offered"), [("visibility-v2", True), ("patterns-v1", False)]
+)
+def test_only_a_run_whose_images_are_a_data_set_offers_them(
+    site: Site, benchmark: str, offered: bool
+) -> None:
+    run_id = site.succeeded(benchmark=benchmark, controller="built-in")
+    width = width_for(0, detections=not offered)
+    RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((20, width)))
+
+    page = _page(site, run_id)
+
+    assert f"/api/v1/runs/{run_id}/manifest.json" in page
+    assert (f"/api/v1/runs/{run_id}/dataset.zip" in page) == offered

@@ -1,0 +1,82 @@
+"""The example that trains a detector: its targets are what is read of its output again."""
+
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from seamark.cli.main import cli
+from seamark.sim.detectors.network.reading import LABELS, OUTPUTS, VIEWS, answers
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "detector"
+
+
+@pytest.fixture(scope="module")
+def example() -> dict[str, Any]:
+    return runpy.run_path(str(EXAMPLE / "shown.py"))
+
+
+def output_of(scores: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    """Return the output of a network that has learned the targets of an image."""
+    told = shape.copy()
+    told[4:] = np.log((shape[4:] + 1e-6) / (1.0 - shape[4:] + 1e-6))
+    return np.concatenate([np.log((scores + 1e-6) / (1.0 - scores + 1e-6)), told])
+
+
+def test_what_is_read_of_the_targets_are_the_objects_that_count(
+    example: dict[str, Any], tmp_path: Path
+) -> None:
+    out = tmp_path / "shown.zip"
+    options = ["--images", "26", "--seed", "8", "--format", "csv", "--out", str(out)]
+    assert CliRunner().invoke(cli, ["dataset", "patterns-v1", *options]).exit_code == 0
+    shown = example["Shown"](out)
+    found = missed = 0
+
+    for number, things in enumerate(shown.things):
+        for turned in (False, True):
+            seen, scores, weights, shape, near = shown.sample(number, turned=turned)
+            told = {label: corners for label, corners, _ in answers(output_of(scores, shape))}
+            assert seen.shape[0] == VIEWS
+            assert shape.shape[0] + len(scores) == OUTPUTS
+            assert (scores.max(axis=0)[near > 0.5] > 0.3).all()
+            for thing in things:
+                label = LABELS[thing.number]
+                corners = (319, 239) - thing.corners if turned else thing.corners
+                if not thing.counts:
+                    assert not scores[thing.number].any()
+                    assert weights[thing.number].min() == 0.0 or not inside(corners)
+                    continue
+                close = label in told and np.allclose(
+                    [told[label].min(axis=0), told[label].max(axis=0)],
+                    [corners.min(axis=0), corners.max(axis=0)],
+                    atol=0.1,
+                )
+                found, missed = found + close, missed + (not close)
+    assert found > 20
+    assert missed <= 0.1 * found  # two objects with their centres in one cell
+
+
+def inside(corners: np.ndarray) -> bool:
+    """Return whether the middle of the upright box of an object is in the image."""
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    return bool((middle >= 0).all() and (middle <= (319, 239)).all())
+
+
+def test_the_example_without_pytorch_says_what_to_install() -> None:
+    hidden = (
+        f"import sys, runpy; sys.modules['torch'] = None; sys.path.insert(0, {str(EXAMPLE)!r}); "
+    )
+    program = f"{hidden}runpy.run_path({str(EXAMPLE / 'train.py')!r}, run_name='__main__')"
+
+    ended = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True
+    )
+
+    assert ended.returncode == 1
+    assert "pip install torch" in ended.stderr
+    assert "Traceback" not in ended.stderr
