@@ -1,8 +1,11 @@
 """The example that trains a detector: its targets are what is read of its output again."""
 
+import json
 import runpy
 import subprocess
 import sys
+import zipfile
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from seamark.cli.main import cli
+from seamark.sim.detectors.network.layers import LAYERS
 from seamark.sim.detectors.network.reading import LABELS, OUTPUTS, VIEWS, answers
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "detector"
@@ -80,3 +84,31 @@ def test_the_example_without_pytorch_says_what_to_install() -> None:
     assert ended.returncode == 1
     assert "pip install torch" in ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_spec("torch") is None, reason="PyTorch is not installed")
+def test_a_short_training_packs_a_detector_and_the_weights_of_an_entry(tmp_path: Path) -> None:
+    shown = tmp_path / "shown.zip"
+    options = ["--images", "32", "--format", "csv", "--out", str(shown)]
+    assert CliRunner().invoke(cli, ["dataset", "patterns-v1", *options]).exit_code == 0
+    command = [sys.executable, str(EXAMPLE / "train.py"), str(shown), "--passes", "1"]
+
+    done = subprocess.run(
+        [*command, "--seeds", "1", "--out", "detector.zip", "--keep", str(tmp_path)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert "optical depth 6: average precision" in done.stdout
+    kept = json.loads((tmp_path / "network.json").read_text())
+    assert kept["images"] == {"benchmark": "patterns-v1", "images": 32, "seed": 0}
+    with np.load(tmp_path / "weights.npz") as weights:
+        assert set(weights.files) == {
+            f"{name}.{part}" for name in LAYERS for part in ("weights", "biases")
+        }
+        assert all(np.isfinite(weights[name]).all() for name in weights.files)
+    with zipfile.ZipFile(tmp_path / "detector.zip") as archive:
+        assert set(archive.namelist()) == {"main.py", "reading.py", "libm.py", "model.onnx"}
