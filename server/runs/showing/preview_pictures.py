@@ -19,6 +19,7 @@ from seamark.server.runs.data import stored_files
 from seamark.server.runs.leaderboard.leaderboard import Rank
 from seamark.server.runs.record.solutions import entry_name, solution
 from seamark.server.runs.showing import camera_view, overlaid_series
+from seamark.server.runs.showing.compared_curves import compared_curves
 from seamark.server.runs.showing.overlaid_series import Part
 from seamark.server.runs.showing.picture_canvas import MUTED, RUNS, Box, Canvas, Line
 from seamark.server.runs.showing.views import RunView
@@ -29,6 +30,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 KEPT = 64  # pictures of about 100 KB in each process
 POINTS = 800  # of a line: one for each pixel or so
 MOMENT = 0.9  # share of a run whose camera image is shown: the levels are hardest at the end
+CLEAR_MOMENT = 0.08  # likewise of a detector: at the end there is nothing to be seen
 _MARGIN = 48  # [px]
 _LINE_CHARACTERS = 30  # that fit beside a picture
 _STATIC = Path(templates.__file__).parent / "static"
@@ -160,7 +162,8 @@ def _score(run: RunView) -> str:
 
 def _camera(settings: Settings, run: RunView) -> camera_view.Image | None:
     benchmark = registry.benchmark(run.benchmark)
-    t = MOMENT * benchmark.trial_duration_s(benchmark.restore(run.config))
+    share = CLEAR_MOMENT if benchmark.error_column is None else MOMENT
+    t = share * benchmark.trial_duration_s(benchmark.restore(run.config))
     encoded = camera_view.render(settings, run, trial=0, t=t)
     if encoded is None:
         return None
@@ -169,8 +172,16 @@ def _camera(settings: Settings, run: RunView) -> camera_view.Image | None:
 
 
 def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple[Line, Line]]]:
-    """Return the title of the first chart of the first run, and its lines in the first trial."""
+    """Return the title of the first chart of the first run, and its lines in the first trial.
+
+    Where no column of the telemetry is the error, the chart is that over the levels, if there is
+    one.
+    """
     benchmark = registry.benchmark(runs[0].benchmark)
+    curves = compared_curves(runs) if benchmark.error_column is None else []
+    for curve in curves[:1]:
+        lines = [(np.array(line["x"]), np.array(line["values"])) for line in curve["lines"]]
+        return f"{curve['title']} [{curve['unit']}]", lines
     with vehicles.lent_to(settings, runs[0]):
         chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
     lines = []

@@ -159,6 +159,19 @@ def test_a_run_without_telemetry_and_score_has_a_picture(site: Site) -> None:
     assert _is_a_picture(site.browser("ann").get(f"/runs/{run_id}/preview.jpg").data)
 
 
+def test_the_chart_of_a_detector_is_its_precision_over_the_depth(site: Site) -> None:
+    pictures = []
+    for precisions in ((90.0, 80.0, 10.0), (90.0, 20.0, 10.0)):
+        claim = site.running("ann", benchmark="patterns-v1", controller="built-in")
+        levels = [{"level": at, "ap_percent": value} for at, value in enumerate(precisions)]
+        assert site.finish(claim, metrics={"score": 50.0, "levels": levels, "trials": []})
+        encoded = site.browser("ann").get(f"/runs/{claim.run_id}/preview.jpg").data
+        picture = np.asarray(cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR))
+        pictures.append(picture[330:582, 652:1152].astype(int))  # of the chart
+
+    assert np.abs(pictures[0] - pictures[1]).max() > 50
+
+
 @pytest.mark.slow
 def test_only_the_last_pictures_are_kept(site: Site) -> None:
     site.published("eva", kind="ranked")
