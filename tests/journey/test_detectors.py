@@ -5,6 +5,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.journey import accessibility
 from tests.journey.visitor import RUN_MS, Visitor, customise, write_program
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
@@ -35,6 +36,9 @@ def test_a_detector_is_checked_and_run_and_its_mistakes_are_seen(visitor: Visito
     _see_curves(page)
     _follow_an_example(page)
 
+    assert list(accessibility.defects(page)) == []
+    page.set_viewport_size({"width": 375, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 375
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
@@ -65,9 +69,9 @@ def _start_short_run(page: Page) -> None:
 def _hide_and_show_answers(page: Page) -> None:
     image = page.locator("[data-camera] img")
     expect(image).to_be_visible(timeout=RUN_MS)
-    page.get_by_label("Answers").uncheck()
+    page.get_by_role("checkbox", name="Answers").uncheck()
     expect(image).to_have_attribute("src", re.compile("tracked=false"))
-    page.get_by_label("Answers").check()
+    page.get_by_role("checkbox", name="Answers").check()
     expect(image).not_to_have_attribute("src", re.compile("tracked=false"))
     expect(page.get_by_label("Zoom to target")).to_have_count(0)
 
@@ -77,7 +81,7 @@ def _see_curves(page: Page) -> None:
     expect(page.get_by_role("img", name="Precision over recall")).to_be_visible()
     lines = page.get_by_label("Average precision at each optical depth").locator("li")
     expect(lines).to_have_text([re.compile(r"^0: .* %"), re.compile(r"^6: .* %")])
-    confusion = page.get_by_role("region", name="Confusion").locator("table")
+    confusion = page.get_by_role("region", name="What answers lie on").locator("table")
     expect(confusion.locator("tfoot tr")).to_have_count(2)
 
 

@@ -1,6 +1,8 @@
 // Tables of a detector's run: what its answers lay on, and how long they took.
 /** @import { Recognition } from "../server_data.d.ts" */
 
+const MANY = 0.25; // of the largest count
+
 /**
  * Rows of the confusion matrix that say something: classes always, decoys and background if an answer lay on them.
  * @param {Pick<Recognition, "classes" | "lies_on" | "confusion">} found
@@ -25,9 +27,9 @@ export function showConfusion(box, found) {
     const row = add(body, title, counts.map(String));
     for (const [index, count] of counts.entries()) {
       const cell = row.cells[index + 1];
-      cell.classList.toggle("own", index === own);
-      cell.classList.toggle("none", count === 0);
-      cell.style.setProperty("--share", String(Math.sqrt(count / most)));
+      if (count === 0) cell.classList.add("none");
+      else cell.classList.add(index === own ? "right" : "mistaken");
+      cell.classList.toggle("many", count > MANY * most);
     }
   }
   const foot = table.createTFoot();
