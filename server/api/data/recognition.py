@@ -31,7 +31,7 @@ class TimeResponse(ResponseModel):
 
 
 class RecognitionLevelResponse(ResponseModel):
-    """A level, as means over the trials."""
+    """A level, as means over the trials; the precision of a ranked run over the fresh ones."""
 
     value: float = Field(description="on the axis of difficulty, such as the optical depth")
     precision: list[float] = Field(

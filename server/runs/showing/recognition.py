@@ -14,6 +14,7 @@ import numpy as np
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.data.level_spans import level_spans
+from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import detection_examples
 from seamark.server.runs.showing.detection_examples import KINDS, Example
 from seamark.server.runs.showing.detections import ANSWER, OBJECT, answers_of, objects_of
@@ -42,6 +43,7 @@ class _Recorded:
     benchmark: str
     config: str
     rows: int
+    first_trial: int  # of the curves: those before do not count for the score
     files: RunFiles = field(compare=False)
 
 
@@ -55,7 +57,13 @@ def recognition(run: RunView, files: RunFiles) -> dict[str, Any]:
     config = json.dumps(run.config, sort_keys=True)
     identity = run.id, run.data_id, run.attempt, run.benchmark, config, files.row_count()
     with _lock:
-        return _measured(_Recorded(*identity, files))
+        return _measured(_Recorded(*identity, _first_counted(run), files))
+
+
+def _first_counted(run: RunView) -> int:
+    """Return the first trial whose levels the metrics of a run are means of."""
+    protocol = registry.benchmark(run.benchmark).protocol
+    return protocol.reference_trials if run.kind is RunKind.RANKED and protocol else 0
 
 
 def _empty() -> dict[str, Any]:
@@ -84,7 +92,7 @@ def _measured(recorded: _Recorded) -> dict[str, Any]:
         if totals.images + after - first > ROWS_MAX:
             break
         rows = recorded.files.rows(first, after)
-        totals.add(rows, float(values[int(rows[0, INDEX["level"]])]))
+        totals.add(rows, float(values[int(rows[0, INDEX["level"]])]), recorded.first_trial)
     return {
         "recalls": RECALLS.round(2).tolist(),
         "levels": totals.levels(),
@@ -117,8 +125,11 @@ class _Totals:
         self._curves: dict[float, list[list[float]]] = defaultdict(list)
         self._step_us: dict[float, list[float]] = defaultdict(list)
 
-    def add(self, rows: Rows, value: float) -> None:
-        """Add one level of one trial, whose value is that on the axis of difficulty."""
+    def add(self, rows: Rows, value: float, first_trial: int) -> None:
+        """Add one level of one trial, whose value is that on the axis of difficulty.
+
+        Trials before `first_trial` have no part in the curves.
+        """
         self.images += len(rows)
         self.confusion += confusion(rows)
         answers = answers_of(rows)
@@ -126,7 +137,8 @@ class _Totals:
         self.objects += (objects_of(rows)[:, :, OBJECT["state"]] == COUNTS).sum(axis=0)
         self.hits += np.bincount(labels.astype(np.int64), minlength=len(CLASSES))
         self._step_us[value] += rows[:, STEP_US].tolist()
-        curve = [precision for _, precision in precision_recall(rows)]
+        counts = rows[0, INDEX["trial"]] >= first_trial
+        curve = [precision for _, precision in precision_recall(rows)] if counts else []
         self._curves[value] += [curve] if curve else []
         for kind, examples in detection_examples.of_level(rows, value).items():
             self.examples[kind] += examples

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.record.states import RunState
+from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import recognition as recognitions
 from seamark.server.runs.showing.detection_examples import EXAMPLES, OF_CLASS
 from seamark.server.runs.showing.recognition import recognition
@@ -51,6 +51,7 @@ def _run(data: Path, levels: list[list[Rows]], **changes: Any) -> tuple[Any, Run
         "data_id": number,
         "attempt": 1,
         "state": RunState.SUCCEEDED,
+        "kind": RunKind.PRACTICE,
         "benchmark": "patterns-v1",
         "config": {"optical_depths": [0.0, 3.0]},
     }
@@ -72,6 +73,16 @@ def test_the_mean_height_of_a_curve_is_the_average_precision_over_the_trials(
     assert 100.0 * np.mean(levels[0]["precision"]) == pytest.approx(np.mean(expected), abs=0.01)
     assert set(levels[1]["precision"]) == {0.0}
     assert levels[0]["time_ms"] == {"median": 2.0, "longest": 3.0}
+
+
+def test_the_curves_of_a_ranked_run_are_those_of_its_fresh_trials(tmp_path: Path) -> None:
+    reference = [[rows_of([CLEAR])] for _ in range(8)]
+    fresh = [[rows_of([NOTHING])]]
+
+    found = recognition(*_run(tmp_path, [*reference, *fresh], kind=RunKind.RANKED))
+
+    assert set(found["levels"][0]["precision"]) == {0.0}
+    assert found["images"] == 9
 
 
 def test_confusion_and_missed_objects_are_counted_over_all_levels(tmp_path: Path) -> None:
