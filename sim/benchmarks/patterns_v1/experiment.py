@@ -1,5 +1,6 @@
 """Pattern recognition over levels of optical depth, each above a bottom of its own."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,8 @@ from seamark.sim.metrics.tracking import held_value
 from seamark.sim.numerics.statistics import area
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.registry import REFERENCE_DETECTORS
+
+NO_OBJECT = "In one of the levels no object was in any image, so it has no average precision."
 
 
 class Patterns:
@@ -90,10 +93,12 @@ class Patterns:
     ) -> TrialScore:
         """Return the area under average precision over the optical depth."""
         depths = [float(level["optical_depth"]) for level in levels]
+        score = area(depths, [0.01 * float(level[AP.name]) for level in levels])
         return TrialScore(
-            score=area(depths, [0.01 * float(level[AP.name]) for level in levels]),
+            score=score,
             level_held=held_value(depths, [level["held"] for level in levels]),
-            rankable=True,
+            rankable=math.isfinite(score),
+            reason="" if math.isfinite(score) else NO_OBJECT,
             overall=over_run(METRICS, levels),
         )
 

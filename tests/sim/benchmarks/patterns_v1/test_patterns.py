@@ -1,5 +1,6 @@
 """patterns-v1: what is drawn, its score, and what cannot win."""
 
+import math
 from functools import cache
 from typing import Any
 
@@ -162,6 +163,19 @@ def test_the_score_is_the_area_and_linear_in_every_level(
     assert scored(both) == pytest.approx(0.5 * (scored(first) + scored(second)))
     assert scored([100.0, 100.0, 100.0]) == pytest.approx(6.0)
     assert scored([100.0, 100.0, 0.0]) == pytest.approx(4.0)
+
+
+def test_a_trial_with_a_level_in_which_no_object_counts_does_not_rank() -> None:
+    config = ENTRY.read({"optical_depths": [0.0, 2.0, 6.0]})
+    levels = [
+        {"optical_depth": depth, "held": False} | dict.fromkeys((m.name for m in METRICS), math.nan)
+        for depth in config.optical_depths
+    ]
+
+    score = EXPERIMENT.trial_score(config, levels)
+
+    assert not score.rankable
+    assert "no object was in any image" in score.reason
 
 
 def test_to_play_back_a_trial_wins_there_and_is_worth_nothing_on_a_fresh_bottom() -> None:
