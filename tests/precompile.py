@@ -23,6 +23,7 @@ from pathlib import Path
 from tests.sim.camera import test_link_camera
 from tests.sim.camera.bottom import test_bottom
 from tests.sim.detectors import test_detectors
+from tests.sim.detectors.network import test_network
 from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
@@ -68,6 +69,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "multibody/test_loads.py::test_the_bottom_carries_the_weight_of_what_lies_on_it",
     "multibody/test_dynamics.py::test_a_vehicle_without_an_arm_accelerates_as_the_plant",
     "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
+    "engine/test_perception.py",
     "detectors/test_detectors.py::test_the_stored_looks_are_those_that_the_painter_paints",
     "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
     "physics/test_hydrodynamics.py",
@@ -91,6 +93,7 @@ def main() -> None:
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_bottom.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, test_network.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
         )

@@ -66,7 +66,8 @@ function call(path, role)
     end
     fclose(channel);
     written = stat("/tmp/channel").size / 8;
-    if written != 24 && written != 48 && written != 54
+    honest = struct("controller", 24, "tracker", 48, "detector", 54); % six answers each
+    if written != honest.(role)
         report("arrived %d numbers", written);
     end
     report("finished");

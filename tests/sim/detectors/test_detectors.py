@@ -132,7 +132,7 @@ def digest() -> str:
     for name in EVERY:
         detector = make(name)
         for depth in (0.0, 3.0):
-            for view in look(700_200, depth):
+            for view in look(700_200, depth)[:1]:
                 whole.update(said(detector.detect(view.image)))
     return whole.hexdigest()
 

@@ -22,7 +22,8 @@ export function caption({ label, confidence, lies_on: on }, depth) {
 /**
  * @param {HTMLElement} box
  * @param {Recognition["examples"]} examples
- * @param {{page: string, api: string, depth: (level: number) => string, image: Optics, go: (example: Example) => void}} run
+ * @param {{page: string, api: string, depth: (level: number) => string, image: Optics,
+ *   go: (example: Example) => void}} run
  */
 export function showGallery(box, examples, run) {
   box.replaceChildren(

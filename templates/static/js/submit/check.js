@@ -123,7 +123,8 @@ function pictures(addresses) {
   );
   const caption = element("figcaption", "small muted");
   caption.textContent =
-    "What the program answered to the first images: hits green, false alarms red, ignored answers grey, missed objects amber.";
+    "What the program answered to the first images: hits green, false alarms red, " +
+    "ignored answers grey, missed objects amber.";
   figure.append(row, caption);
   return figure;
 }
