@@ -15,7 +15,7 @@ from seamark.sim import registry
 from seamark.sim.camera import start_pose
 from seamark.sim.engine.replay import CameraFrame, Image, Replay
 from seamark.sim.engine.trial import run_trial
-from seamark.sim.recording.telemetry import ANSWER_COLUMNS, ANSWERS, Rows, detections
+from seamark.sim.recording.telemetry import Rows, answers_of, detections
 
 FOLDER = Path(templates.__file__).parent / "static" / "benchmarks"
 QUALITY = 84
@@ -49,7 +49,7 @@ def recognised(name: str) -> Image:
     oracle = registry.benchmark(name).load().built_in("oracle", config)
     run_trial(name, config, oracle, seed=SEED, trial=0, on_rows=levels.append)
     rows = levels[0]
-    answers = detections(rows)[:, -ANSWERS * len(ANSWER_COLUMNS) :].reshape(len(rows), ANSWERS, -1)
+    answers = answers_of(detections(rows))
     given = answers[:, :, 0] >= 0.0
     best = int(given.sum(axis=1).argmax())
     image = Replay(name, config, lambda _trial: SEED).frame(rows[best]).colour()

@@ -16,11 +16,12 @@ from seamark.sim.metrics.detection import COUNTS, Object, match
 from seamark.sim.recording.telemetry import (
     DELIVERED_ROWS,
     INDEX,
-    OBJECT_COLUMNS,
+    OBJECT,
     STEP_US,
     OnRows,
     Recorder,
     detections,
+    objects_of,
     width_for,
 )
 
@@ -107,7 +108,7 @@ class DetectionLoop:
 
 def _true(seen: Sequence[Seen], columns: Row) -> list[Detection]:
     """Return the oracle's answers: every object that counts in an image."""
-    counting = columns[: OBJECTS * len(OBJECT_COLUMNS) : len(OBJECT_COLUMNS)] == COUNTS
+    counting = objects_of(columns)[:, OBJECT["state"]] == COUNTS
     return [
         Detection(one.name, one.corners, 1.0)
         for one, counts in zip(seen, counting.tolist(), strict=False)

@@ -14,10 +14,10 @@ from seamark.sim.camera.bottom.camera import Seen
 from seamark.sim.camera.bottom.things import OBJECTS
 from seamark.sim.engine.seeds import SEED_BITS
 from seamark.sim.metrics.detection import ABSENT, COUNTS, Object, match
-from seamark.sim.recording.telemetry import OBJECT_COLUMNS
+from seamark.sim.recording.telemetry import OBJECT, objects_of
 
+_STATE, _VISIBLE = OBJECT["state"], OBJECT["visible"]
 _FIRST_SEED = 1 << (SEED_BITS + 1)
-_VISIBLE = [column.name for column in OBJECT_COLUMNS].index("visible")
 
 
 class Label(NamedTuple):
@@ -77,10 +77,9 @@ def labels_of(seen: Sequence[Seen], image_size: tuple[int, int]) -> list[Label]:
         Width and height [px].
     """
     objects = [Object(*one[1:]) for one in seen[:OBJECTS]]
-    columns = match(objects, (), (), image_size).columns[: OBJECTS * len(OBJECT_COLUMNS)]
-    rows = columns.reshape(OBJECTS, len(OBJECT_COLUMNS)).tolist()
+    rows = objects_of(match(objects, (), (), image_size).columns).tolist()
     return [
-        Label(number, one.corners, row[0] == COUNTS, row[_VISIBLE], one.distance, one.angle)
+        Label(number, one.corners, row[_STATE] == COUNTS, row[_VISIBLE], one.distance, one.angle)
         for number, (one, row) in enumerate(zip(objects, rows, strict=True))
-        if row[0] != ABSENT
+        if row[_STATE] != ABSENT
     ]

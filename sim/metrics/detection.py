@@ -32,7 +32,8 @@ from seamark.sim.recording.telemetry import (
     ANSWER_COLUMNS,
     ANSWERS,
     DETECTION_WIDTH,
-    OBJECT_COLUMNS,
+    answers_of,
+    objects_of,
 )
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
 
@@ -125,11 +126,10 @@ def match(
     states = [_state(one, share) for one, share in zip(objects, inside, strict=True)]
     boxes[[at for at, state in enumerate(states) if state == ABSENT]] = 0.0
     columns = np.empty(DETECTION_WIDTH)
-    seen, count = len(objects) * len(OBJECT_COLUMNS), len(kept.labels)
-    columns[:seen].reshape(-1, len(OBJECT_COLUMNS))[:] = [
+    objects_of(columns)[:] = [
         _object_row(*one) for one in zip(objects, states, inside, strict=True)
     ]
-    rows = columns[seen:].reshape(ANSWERS, len(ANSWER_COLUMNS))
+    rows, count = answers_of(columns), len(kept.labels)
     rows[count:] = _NO_ANSWER
     if count:
         rows[:count] = _answer_rows(kept, _ious(kept.boxes, boxes), states, objects)

@@ -33,11 +33,12 @@ from seamark.sim.metrics.metric import (
 from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.statistics import mean, percentile
 from seamark.sim.recording.telemetry import (
-    ANSWER_COLUMNS,
-    ANSWERS,
-    OBJECT_COLUMNS,
+    ANSWER,
+    OBJECT,
     Rows,
+    answers_of,
     detections,
+    objects_of,
 )
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS, MARKERS
 
@@ -46,9 +47,6 @@ ALARMS_PER_MIN = 5.0  # [1/min] E: what somebody who checks each alarm has time 
 BACKGROUND = "background"
 LIES_ON = (*CLASSES, *DECOYS, BACKGROUND)  # rows of the confusion matrix
 
-_OBJECT = {column.name: at for at, column in enumerate(OBJECT_COLUMNS)}
-_ANSWER = {column.name: at for at, column in enumerate(ANSWER_COLUMNS)}
-_OBJECT_NUMBERS = len(CLASSES) * len(OBJECT_COLUMNS)
 _MARKERS = [at for at, name in enumerate(CLASSES) if name in MARKERS]
 _MINUTE_S = 60.0
 
@@ -66,11 +64,9 @@ class Recognition:
     """The objects and answers of a level: (images, classes) and (images, slots)."""
 
     def __init__(self, rows: Rows, *, image_period_s: float, focal_px: float) -> None:
-        columns, images = detections(rows), len(rows)
-        objects, answers = columns[:, :_OBJECT_NUMBERS], columns[:, _OBJECT_NUMBERS:]
-        self._objects = objects.reshape(images, len(CLASSES), len(OBJECT_COLUMNS))
-        self._answers = answers.reshape(images, ANSWERS, len(ANSWER_COLUMNS))
-        self.minutes = images * image_period_s / _MINUTE_S
+        columns = detections(rows)
+        self._objects, self._answers = objects_of(columns), answers_of(columns)
+        self.minutes = len(rows) * image_period_s / _MINUTE_S
         self.focal_px = focal_px
         outcome = self._of_answers("outcome")
         self.hit: Flags = outcome == HIT
@@ -79,13 +75,13 @@ class Recognition:
         self.confidence = self._of_answers("confidence")
 
     def _of_answers(self, name: str) -> Array:
-        values: Array = self._answers[:, :, _ANSWER[name]]
+        values: Array = self._answers[:, :, ANSWER[name]]
         return values
 
     @cached_property
     def objects(self) -> list[int]:
         """How many objects of each class counted."""
-        counts: list[int] = (self._objects[:, :, _OBJECT["state"]] == COUNTS).sum(axis=0).tolist()
+        counts: list[int] = (self._objects[:, :, OBJECT["state"]] == COUNTS).sum(axis=0).tolist()
         return counts
 
     def of_class(self, number: int) -> tuple[Array, Flags, int]:
@@ -128,7 +124,7 @@ class Recognition:
     def of_hits(self, name: str) -> Array:
         """Return a column of the object that each hit found, (hits,)."""
         images, slots = np.nonzero(self.hit)
-        values: Array = self._objects[images, self.label[images, slots], _OBJECT[name]]
+        values: Array = self._objects[images, self.label[images, slots], OBJECT[name]]
         return values
 
     def errors_px(self) -> Array:

@@ -162,6 +162,8 @@ DETECTION_COLUMNS: tuple[Column, ...] = (
     *_each("object", len(CLASSES), OBJECT_COLUMNS),
     *_each("answer", ANSWERS, ANSWER_COLUMNS),
 )
+OBJECT: dict[str, int] = {column.name: at for at, column in enumerate(OBJECT_COLUMNS)}
+ANSWER: dict[str, int] = {column.name: at for at, column in enumerate(ANSWER_COLUMNS)}
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
@@ -236,6 +238,21 @@ def detections(rows: Rows) -> Rows:
     It is a view: what is written to it is written to the rows.
     """
     return rows[..., detections_slice(rows.shape[-1])]
+
+
+def objects_of(columns: Rows) -> Rows:
+    """Return the true objects in the columns of a detector, (..., classes, OBJECT_COLUMNS).
+
+    As `detections`, it is a view.
+    """
+    own = columns[..., : len(CLASSES) * len(OBJECT_COLUMNS)]
+    return own.reshape(*columns.shape[:-1], len(CLASSES), len(OBJECT_COLUMNS))
+
+
+def answers_of(columns: Rows) -> Rows:
+    """Return the answers in them likewise, (..., ANSWERS, ANSWER_COLUMNS)."""
+    own = columns[..., len(CLASSES) * len(OBJECT_COLUMNS) :]
+    return own.reshape(*columns.shape[:-1], ANSWERS, len(ANSWER_COLUMNS))
 
 
 def detections_slice(width: int) -> slice:

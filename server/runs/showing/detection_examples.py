@@ -14,16 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.server.runs.showing.detections import (
-    ANSWER,
-    OBJECT,
     Row,
-    answers_of,
     corners_of,
     lies_on,
-    objects_of,
 )
 from seamark.sim.metrics.detection import COUNTS, FALSE_ALARM, HIT
-from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import (
+    ANSWER,
+    INDEX,
+    OBJECT,
+    Rows,
+    answers_of,
+    detections,
+    objects_of,
+)
 from seamark.sim.vehicles.patterns import CLASSES
 
 EXAMPLES = 8  # of each kind
@@ -102,7 +106,7 @@ def _answer(
     rows: Rows, number: int, outcome: float, order: Callable[[Row], Row]
 ) -> tuple[Row, Row] | None:
     """Return row and columns of the first answer of a class with an outcome; None without one."""
-    answers = answers_of(rows)
+    answers = answers_of(detections(rows))
     images, slots = np.nonzero(
         _of_class(answers, number) & (_column(answers, "outcome") == outcome)
     )
@@ -113,7 +117,8 @@ def _answer(
 
 
 def _missed(rows: Rows, depth: float, number: int, label: str) -> Iterator[Example]:
-    answers, objects = answers_of(rows), objects_of(rows)[:, number]
+    columns = detections(rows)
+    answers, objects = answers_of(columns), objects_of(columns)[:, number]
     hit = (_of_class(answers, number) & (_column(answers, "outcome") == HIT)).any(axis=1)
     images = np.flatnonzero((objects[:, OBJECT["state"]] == COUNTS) & ~hit)
     if len(images):

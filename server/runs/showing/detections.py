@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 
 from seamark.sim.metrics.detection import COUNTS, FALSE_ALARM, FIRST_DECOY, HIT, IGNORED_ANSWER
 from seamark.sim.metrics.recognition import BACKGROUND
-from seamark.sim.recording.telemetry import ANSWER_COLUMNS, ANSWERS, OBJECT_COLUMNS, detections
+from seamark.sim.recording.telemetry import ANSWER, OBJECT, answers_of, detections, objects_of
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
 
 OUTCOMES = {HIT: "hit", FALSE_ALARM: "false alarm", IGNORED_ANSWER: "ignored"}
-OBJECT = {column.name: at for at, column in enumerate(OBJECT_COLUMNS)}
-ANSWER = {column.name: at for at, column in enumerate(ANSWER_COLUMNS)}
 CORNERS = tuple(f"{axis}{corner}" for corner in range(4) for axis in "xy")
 _LABELS = tuple(CLASSES)
 Row = NDArray[np.float64]
@@ -37,23 +35,9 @@ class Missed:
     corners: Row  # (4, 2) [px], true ones
 
 
-def objects_of(rows: Row) -> Row:
-    """Return the columns of the objects, (..., classes, columns of an object)."""
-    size = len(CLASSES) * len(OBJECT_COLUMNS)
-    columns = detections(rows)[..., :size]
-    return columns.reshape(*rows.shape[:-1], len(CLASSES), len(OBJECT_COLUMNS))
-
-
-def answers_of(rows: Row) -> Row:
-    """Return the columns of the answers, (..., slots, columns of an answer)."""
-    size = len(CLASSES) * len(OBJECT_COLUMNS)
-    columns = detections(rows)[..., size:]
-    return columns.reshape(*rows.shape[:-1], ANSWERS, len(ANSWER_COLUMNS))
-
-
 def answered(row: Row) -> Iterator[Answer]:
     """Yield the answers to an image, most confident first."""
-    for columns in answers_of(row):
+    for columns in answers_of(detections(row)):
         outcome = OUTCOMES.get(float(columns[ANSWER["outcome"]]))
         if outcome is not None:
             label = _LABELS[int(columns[ANSWER["label"]])]
@@ -64,7 +48,7 @@ def answered(row: Row) -> Iterator[Answer]:
 def missed(row: Row) -> Iterator[Missed]:
     """Yield the objects of an image that count and were not hit."""
     hit = {answer.label for answer in answered(row) if answer.outcome == OUTCOMES[HIT]}
-    for label, columns in zip(_LABELS, objects_of(row), strict=True):
+    for label, columns in zip(_LABELS, objects_of(detections(row)), strict=True):
         if columns[OBJECT["state"]] == COUNTS and label not in hit:
             yield Missed(label, corners_of(columns, OBJECT))
 

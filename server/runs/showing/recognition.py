@@ -17,13 +17,22 @@ from seamark.server.runs.data.level_spans import level_spans
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import detection_examples
 from seamark.server.runs.showing.detection_examples import KINDS, Example
-from seamark.server.runs.showing.detections import ANSWER, OBJECT, answers_of, objects_of
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
 from seamark.sim.metrics.average_precision import RECALLS
 from seamark.sim.metrics.detection import COUNTS, HIT
 from seamark.sim.metrics.recognition import LIES_ON, confusion, precision_recall
-from seamark.sim.recording.telemetry import INDEX, STEP_US, Rows, has_detections
+from seamark.sim.recording.telemetry import (
+    ANSWER,
+    INDEX,
+    OBJECT,
+    STEP_US,
+    Rows,
+    answers_of,
+    detections,
+    has_detections,
+    objects_of,
+)
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
 
 ROWS_MAX = 32_768  # that are read, 100 MB; a ranked run of patterns-v1 has a sixth
@@ -132,9 +141,10 @@ class _Totals:
         """
         self.images += len(rows)
         self.confusion += confusion(rows)
-        answers = answers_of(rows)
+        columns = detections(rows)
+        answers = answers_of(columns)
         labels = answers[..., ANSWER["label"]][answers[..., ANSWER["outcome"]] == HIT]
-        self.objects += (objects_of(rows)[:, :, OBJECT["state"]] == COUNTS).sum(axis=0)
+        self.objects += (objects_of(columns)[:, :, OBJECT["state"]] == COUNTS).sum(axis=0)
         self.hits += np.bincount(labels.astype(np.int64), minlength=len(CLASSES))
         self._step_us[value] += rows[:, STEP_US].tolist()
         counts = rows[0, INDEX["trial"]] >= first_trial

@@ -9,7 +9,6 @@ from seamark.sim.benchmarks.patterns_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.patterns_v1.scenario import draw_scenario
 from seamark.sim.benchmarks.patterns_v1.settings import PatternsConfiguration
 from seamark.sim.benchmarks.patterns_v1.training import IMAGES
-from seamark.sim.camera.bottom.things import OBJECTS
 from seamark.sim.engine.detection_loop import DetectionLoop, Oracle
 from seamark.sim.engine.labelled_images import (
     LabelledImage,
@@ -19,7 +18,7 @@ from seamark.sim.engine.labelled_images import (
 )
 from seamark.sim.engine.seeds import SEED_BITS, SEED_MAX
 from seamark.sim.metrics.detection import COUNTS, IGNORED
-from seamark.sim.recording.telemetry import OBJECT_COLUMNS, Rows, detections
+from seamark.sim.recording.telemetry import Rows, detections, objects_of
 
 CONFIG = PatternsConfiguration()
 
@@ -87,10 +86,10 @@ def test_labels_are_what_the_benchmark_records_of_the_same_image() -> None:
     kept: list[Rows] = []
     loop = DetectionLoop(config, scenario.path, scenario.camera, Oracle.TRUTH, trial=0, level=0)
     loop.run(lambda rows: kept.append(rows.copy()))
-    recorded = detections(np.concatenate(kept))[:, : OBJECTS * len(OBJECT_COLUMNS)]
+    recorded = objects_of(detections(np.concatenate(kept)))
     states = set()
 
-    for step, row in enumerate(islice(recorded.reshape(len(recorded), OBJECTS, -1), 12)):
+    for step, row in enumerate(islice(recorded, 12)):
         motion = np.concatenate(scenario.path.pose_and_velocity(step * config.control_period_s))
         labels = {one.number: one for one in labels_of(scenario.camera.seen(motion), (320, 240))}
 

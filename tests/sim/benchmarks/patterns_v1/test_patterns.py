@@ -18,7 +18,7 @@ from seamark.sim.engine.replay import Replay
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.metrics.detection import COUNTS
 from seamark.sim.metrics.recognition import AP, METRICS
-from seamark.sim.recording.telemetry import INDEX, OBJECT_COLUMNS, Rows, detections
+from seamark.sim.recording.telemetry import INDEX, Rows, detections, objects_of
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles.patterns import CLASSES
@@ -59,15 +59,13 @@ def of_oracle() -> tuple[TrialResult, Rows]:
 
 def true_answers(rows: Rows) -> list[list[Detection]]:
     """What the oracle answered to each image."""
-    objects = detections(rows)[:, : OBJECTS * len(OBJECT_COLUMNS)]
-    images = objects.reshape(len(rows), OBJECTS, len(OBJECT_COLUMNS))
     return [
         [
             Detection(name, image[number, 1:9].reshape(4, 2), 1.0)
             for number, name in enumerate(CLASSES)
             if image[number, 0] == COUNTS
         ]
-        for image in images
+        for image in objects_of(detections(rows))
     ]
 
 
