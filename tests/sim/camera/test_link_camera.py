@@ -1,8 +1,5 @@
 """Cameras on links: bodies, occlusion, the horizon, and places in the image."""
 
-import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2
@@ -24,7 +21,7 @@ from seamark.sim.vehicles.model import Place
 from tests.sim.camera import link_scenes as scenes
 from tests.sim.camera.conftest import bilinear
 from tests.sim.camera.link_scenes import SlowRenderer, average, camera, look, placed, turned
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 Array = NDArray[np.float64]
 
@@ -378,16 +375,7 @@ print(digest.hexdigest())
 
 @pytest.mark.slow
 def test_another_process_and_the_oldest_processor_give_the_same_bytes() -> None:
-    digests = [
-        subprocess.run(
-            [sys.executable, "-c", PROGRAM],
-            capture_output=True,
-            text=True,
-            check=True,
-            env={**os.environ, **variables},
-        ).stdout
-        for variables in ({}, {}, OLDEST_PROCESSOR)
-    ]
+    digests = [printed(PROGRAM, variables) for variables in ({}, {}, OLDEST_PROCESSOR)]
 
     assert len(digests[0].strip()) == 64
     assert digests[0] == digests[1] == digests[2]

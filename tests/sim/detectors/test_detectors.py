@@ -1,9 +1,6 @@
 """Detectors on painted bottoms: what they find, what they leave alone, and the same everywhere."""
 
 import hashlib
-import os
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -14,7 +11,7 @@ from seamark.sim.detectors.template.library import STORED, painted
 from seamark.sim.registry import DETECTORS, REFERENCE_DETECTORS
 from seamark.sim.settings.detector import DetectorSettings
 from seamark.sim.vehicles.patterns import CLASSES, MARKERS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 View = Any  # conftest's class; a test folder is no package
 EVERY = [*DETECTORS, *REFERENCE_DETECTORS]
@@ -143,15 +140,7 @@ def test_the_oldest_processor_gives_the_same_bytes() -> None:
         "OPENCV_CPU_DISABLE": "AVX2,FMA3,AVX,AVX512_SKX,AVX512_ICL,SSE4_2,SSE4_1,SSSE3"
     }
 
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        env=os.environ | oldest,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-
-    assert done.stdout.strip() == digest()
+    assert printed(PROGRAM, oldest).strip() == digest()
 
 
 @pytest.mark.slow

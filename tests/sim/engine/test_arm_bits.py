@@ -1,13 +1,10 @@
 """A run with an arm gives the same bits in two processes, and on the oldest processor."""
 
-import os
-import subprocess
-import sys
 from collections.abc import Mapping
 
 import pytest
 
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 PROGRAM = """
 import numpy as np
@@ -26,14 +23,7 @@ for benchmark in ("recover-v1", "valve-v1"):
 
 
 def lines(variables: Mapping[str, str]) -> list[str]:
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, **variables},
-    )
-    return done.stdout.splitlines()
+    return printed(PROGRAM, variables).splitlines()
 
 
 @pytest.mark.slow

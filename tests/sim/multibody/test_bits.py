@@ -1,12 +1,8 @@
 """The same bits in every process and on every processor, with joints and contacts."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 SCENES = """
 import hashlib
@@ -58,14 +54,7 @@ print(digest.hexdigest(), len(ARMS) + len(THINGS))
 
 
 def digest(variables: dict[str, str], code: str = SCENES) -> list[str]:
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, **variables},
-    )
-    return done.stdout.split()
+    return printed(code, variables).split()
 
 
 @pytest.mark.slow

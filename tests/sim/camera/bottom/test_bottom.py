@@ -1,9 +1,5 @@
 """The painted bottom: its bytes, what its markers say, what covers what, and where the truth is."""
 
-import os
-import subprocess
-import sys
-
 import cv2
 import numpy as np
 import pytest
@@ -18,7 +14,7 @@ from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.seabed import TILE
 from seamark.sim.camera.water import Water
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 NO_SUN = Sun(0.0, 0.0)
 MIDDLE_M = 0.5 * STRIP_M
@@ -96,16 +92,7 @@ def test_kinds_are_the_classes_and_then_the_decoys() -> None:
 
 
 def test_a_bottom_is_the_same_bytes_in_each_process_and_on_the_oldest_processor() -> None:
-    digests = [
-        subprocess.run(
-            [sys.executable, "-c", PROGRAM],
-            capture_output=True,
-            text=True,
-            check=True,
-            env={**os.environ, **variables},
-        ).stdout
-        for variables in ({}, {}, OLDEST_PROCESSOR)
-    ]
+    digests = [printed(PROGRAM, variables) for variables in ({}, {}, OLDEST_PROCESSOR)]
 
     assert len(digests[0].strip()) == 64
     assert digests[0] == digests[1] == digests[2]

@@ -1,8 +1,5 @@
 """The learned entry: its network has one order of arithmetic, and its policy says what it is."""
 
-import os
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,6 +23,7 @@ from seamark.sim.control.manipulation.imitation.features import (
 )
 from seamark.sim.control.manipulation.imitation.layers import Layer, forward, load, save
 from seamark.sim.registry import benchmark
+from tests.sim.oldest_processor import NUMPY_OLDEST, printed
 
 BITS = """
 import numpy as np
@@ -36,8 +34,6 @@ layers = load(WEIGHTS)
 for features in np.random.default_rng(1).normal(size=(20, len(layers[0][0]))):
     print(*(value.hex() for value in forward(layers, features.tolist())))
 """
-# All that NumPy does in another way where a processor has it.
-OLDEST = {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"}
 
 
 def layers_of(*sizes: int) -> list[Layer]:
@@ -78,13 +74,7 @@ def test_the_network_adds_from_the_first_input_to_the_last() -> None:
 @pytest.mark.slow
 def test_the_network_has_the_same_bits_on_the_oldest_processor() -> None:
     here, oldest = (
-        subprocess.run(
-            [sys.executable, "-W", "error::ImportWarning", "-c", BITS],
-            capture_output=True,
-            check=True,
-            env={**os.environ, **variables},
-        ).stdout
-        for variables in ({}, OLDEST)
+        printed(BITS, variables, "-W", "error::ImportWarning") for variables in ({}, NUMPY_OLDEST)
     )
 
     assert here == oldest

@@ -1,10 +1,7 @@
 """The learned detector: its arithmetic has one order, and it is the network that is submitted."""
 
 import hashlib
-import os
 import runpy
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -30,7 +27,7 @@ from seamark.sim.detectors.network.reading import (
 )
 from seamark.sim.registry import benchmark
 from seamark.sim.vehicles.patterns import CLASSES
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed
 
 EXAMPLE = Path(__file__).parents[4] / "examples" / "detector"
 CONFIG = PatternsConfiguration(optical_depths=(0.0, 3.0))
@@ -50,8 +47,6 @@ for one in answered:
     total.update(one.corners.tobytes() + one.confidence.hex().encode())
 print(total.hexdigest(), len(answered))
 """
-# All that NumPy does in another way where a processor has it.
-NUMPY_OLDEST = {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"}
 
 
 def image_of(level: int, step: int = 0) -> np.ndarray:
@@ -188,13 +183,7 @@ def test_the_network_has_the_classes_of_the_benchmark_in_their_order() -> None:
 @pytest.mark.slow
 def test_the_network_has_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
     digests = [
-        subprocess.run(
-            [sys.executable, "-W", "error::ImportWarning", "-c", BITS],
-            capture_output=True,
-            check=True,
-            text=True,
-            env={**os.environ, **variables},
-        ).stdout
+        printed(BITS, variables, "-W", "error::ImportWarning")
         for variables in ({}, {}, {**OLDEST_PROCESSOR, **NUMPY_OLDEST})
     ]
 
