@@ -15,14 +15,14 @@ from seamark.sim import registry
 
 PICTURE_POINTS = 2000  # of a line, in a picture
 Numbers = NDArray[np.float64]
-# Column, title and unit of the error, by the role of the program.
-ERRORS = {
-    "controller": ("distance", "Distance from the station", "m"),
-    "tracker": ("tracker_error", "Error of the tracker", "px"),
+REACH = "reach"  # of runs with an arm
+ERRORS = {  # title and unit, by the column of the benchmark
+    "distance": ("Distance from the station", "m"),
+    "tracker_error": ("Error of the tracker", "px"),
+    REACH: ("Distance of the tool from the grip", "m"),
 }
-# Kinds of charts that runs do not have: detectors see single images, on a prescribed path.
-NOT_OF: Mapping[str, tuple[str, ...]] = {"detector": ("error", "current")}
-ERROR_OF_ARM = ("reach", "Distance of the tool from the grip", "m")
+# Kinds of charts that runs without an error do not have: single images, on a prescribed path.
+OF_AN_ERROR = frozenset({"error", "current"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,9 @@ def _finite(values: Numbers) -> list[float | None]:
 def _error(results: Sequence[Result], trial: int, points: int) -> Chart:
     """Return the error over time; of each stretch of time the largest, so that no peak is lost."""
     benchmark = registry.benchmark(results[0].benchmark)
-    column, title, unit = ERROR_OF_ARM if benchmark.moves_arm else ERRORS[benchmark.role]
+    column = REACH if benchmark.moves_arm else benchmark.error_column
+    assert column is not None  # noqa: S101 - `charts` leaves this kind out
+    title, unit = ERRORS[column]
     lines = []
     for result in results:
         rows = result.trial(trial)
@@ -172,9 +174,8 @@ def charts(
             count = len(np.unique(result.rows["trial"]))
             trials = "1 trial" if count == 1 else f"{count} trials"
             raise UsageRefused(f"{result.name} has {trials}, counted from 1.")
-    shown = [
-        kind for kind in kinds if kind not in NOT_OF.get(registry.benchmark(names[0]).role, ())
-    ]
+    without_error = registry.benchmark(names[0]).error_column is None
+    shown = [kind for kind in kinds if not (without_error and kind in OF_AN_ERROR)]
     if not shown:
         raise UsageRefused(f"Runs of {names[0]} have no chart of this kind: choose another.")
     return [KINDS[kind](results, trial, points) for kind in shown]

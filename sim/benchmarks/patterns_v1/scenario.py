@@ -63,6 +63,7 @@ class Conditions:
 class Scenario:
     """A level before it runs."""
 
+    conditions: Conditions
     bottom: Bottom
     camera: BottomCamera
     path: PrescribedPath
@@ -101,7 +102,8 @@ def draw_scenario(config: PatternsConfiguration, seed: int, trial: int, level: i
             frame_s=config.control_period_s,
         ),
     )
-    return Scenario(bottom, camera, _passage(config, bottom, conditions.altitude_m, random.start))
+    path = _passage(config, bottom, conditions.altitude_m, random.start)
+    return Scenario(conditions, bottom, camera, path)
 
 
 def _passage(

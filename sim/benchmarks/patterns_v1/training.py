@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from seamark.sim.benchmarks.patterns_v1.scenario import draw_conditions, draw_scenario
+from seamark.sim.benchmarks.patterns_v1.scenario import draw_scenario
 from seamark.sim.benchmarks.patterns_v1.settings import PatternsConfiguration
 from seamark.sim.engine.labelled_images import LabelledImage, labels_of, training_seed
 from seamark.sim.numerics.random_streams import streams
@@ -23,9 +23,8 @@ def labelled_scene(
     entropy = training_seed(seed)
     depth = _depth(config, entropy, number)
     config = config.model_copy(update={"optical_depths": (depth,)})
-    altitude_m = draw_conditions(config, entropy, number, 0).altitude_m
     scenario = draw_scenario(config, entropy, number, 0)
-    camera = scenario.camera
+    camera, altitude_m = scenario.camera, scenario.conditions.altitude_m
     show = camera.colour if config.colour else camera.grey
     size = camera.optics.width, camera.optics.height
     for step in range(images):
