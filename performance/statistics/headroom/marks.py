@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,14 @@ OTHER_TRIALS = 24
 OTHER_SEED = 770_001  # trial i has this seed plus i
 
 Steps = dict[str, tuple[float, float] | None]
+
+
+class Job(NamedTuple):
+    """One trial of one entry."""
+
+    entry: str
+    trial: int
+    seed: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +49,12 @@ class Measured:
         scores = self.scores[REFERENCE_TRIALS:]
         interval = mean_interval(scores)
         return mean(scores), interval[1] if interval else mean(scores)
+
+
+def jobs(name: str, entry: str) -> list[Job]:
+    """Return the trials of an entry of a benchmark, the reference trials first."""
+    known = [Job(entry, trial, reference_seed(name)) for trial in range(REFERENCE_TRIALS)]
+    return known + [Job(entry, trial, OTHER_SEED + trial) for trial in range(OTHER_TRIALS)]
 
 
 def reference_seed(name: str) -> int:

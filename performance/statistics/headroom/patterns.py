@@ -12,7 +12,6 @@ import sys
 from collections.abc import Mapping, Sequence
 from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -20,11 +19,11 @@ import numpy as np
 from performance import FIGURES
 from performance.plots import figure
 from performance.statistics.headroom.marks import (
-    OTHER_SEED,
-    OTHER_TRIALS,
     REFERENCE_TRIALS,
+    Job,
     Measured,
     draw_headroom,
+    jobs,
     mark_steps,
     measure_and_store,
     number,
@@ -50,21 +49,11 @@ DIGITS = (2, 0, 0, 1)
 SHOWN_DEPTHS = (0, 2, 4)  # levels of the picture
 
 
-class _Job(NamedTuple):
-    """One trial of one entry."""
-
-    entry: str
-    trial: int
-    seed: int
-
-
 def measure(name: str, processes: int) -> Measured:
     """Run an entry on the reference trials and on others; results do not depend on `processes`."""
-    seed, entry = reference_seed(NAME), benchmark(NAME).baselines[name]
-    known = [_Job(name, trial, seed) for trial in range(REFERENCE_TRIALS)]
-    other = [_Job(name, trial, OTHER_SEED + trial) for trial in range(OTHER_TRIALS)]
+    entry = benchmark(NAME).baselines[name]
     with get_context("spawn").Pool(processes, warm_up_benchmark, (NAME,)) as pool:
-        results = pool.map(_run, [*known, *other], chunksize=1)
+        results = pool.map(_run, jobs(NAME, name), chunksize=1)
     config = benchmark(NAME).read(entry.config)
     metrics = summarise(NAME, config, results[REFERENCE_TRIALS:])
     return Measured(
@@ -79,7 +68,7 @@ def measure(name: str, processes: int) -> Measured:
     )
 
 
-def _run(job: _Job) -> TrialResult:
+def _run(job: Job) -> TrialResult:
     entry = benchmark(NAME).baselines[job.entry]
     config = benchmark(NAME).read(entry.config)
     solution = benchmark(NAME).load().built_in(entry.built_in, config)

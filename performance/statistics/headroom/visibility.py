@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import cv2
 import numpy as np
@@ -23,11 +23,11 @@ import numpy as np
 from performance import FIGURES
 from performance.plots import figure
 from performance.statistics.headroom.marks import (
-    OTHER_SEED,
-    OTHER_TRIALS,
     REFERENCE_TRIALS,
+    Job,
     Measured,
     draw_headroom,
+    jobs,
     mark_steps,
     measure_and_store,
     number,
@@ -112,21 +112,11 @@ def entries() -> dict[str, Entry]:
     return by_name
 
 
-class _Job(NamedTuple):
-    """One trial of one entry."""
-
-    entry: str
-    trial: int
-    seed: int
-
-
 def measure(name: str, processes: int) -> Measured:
     """Run an entry on the reference trials and on others; results do not depend on `processes`."""
     entry = entries()[name]
-    known = [_Job(name, trial, reference_seed(NAME)) for trial in range(REFERENCE_TRIALS)]
-    other = [_Job(name, trial, OTHER_SEED + trial) for trial in range(OTHER_TRIALS)]
     with get_context("spawn").Pool(processes, initializer=warm_up) as pool:
-        results = pool.map(_run, [*known, *other], chunksize=1)
+        results = pool.map(_run, jobs(NAME, name), chunksize=1)
     config = benchmark(NAME).read(entry.config)
     other_metrics = summarise(NAME, config, results[REFERENCE_TRIALS:])
     return Measured(
@@ -149,7 +139,7 @@ def _success(axis: str) -> str:
     return "p1_percent" if axis == "jump" else "p5_percent"
 
 
-def _run(job: _Job) -> TrialResult:
+def _run(job: Job) -> TrialResult:
     entry = entries()[job.entry]
     config = benchmark(NAME).read(entry.config)
     solution = entry.make(config)
