@@ -140,6 +140,9 @@ class Benchmark:
     summary: str
     participants: str  # in the plural, such as "trackers"
     role: str  # of uploaded programs: "controller", "tracker" or "detector"
+    # roles of further programs that may be uploaded beside it; else the settings choose built-in
+    # ones. The experiment then gets a `seamark.sim.engine.team.Team`
+    parts: tuple[str, ...] = ()
     moves_arm: bool = False  # whether its programs move an arm: they start from other ones
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
     # name -> label of built-in solutions that only baselines may use: marks such as an oracle
