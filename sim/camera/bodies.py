@@ -155,7 +155,8 @@ def lettered_face(solid: Solid, channel: int, side: int) -> Face:
     (x, y, z), colour = solid.size, _colour(solid)
     sizes = [(y, z), (y, z), (x, z), (x, z), (x, y), (x, y)]
     ink = lettering.WHITE if colour[1] < DARK else lettering.BLACK
-    return lettering.label(*sizes[side], TEXEL_M, colour[channel], ink)
+    text = solid.text or lettering.TEXT
+    return lettering.label(*sizes[side], TEXEL_M, colour[channel], ink, text)
 
 
 def _target_body(target: Target) -> _Body:

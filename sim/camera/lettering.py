@@ -33,6 +33,12 @@ GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
 }  # fmt: skip
 
 
+def other_text(random: np.random.Generator) -> str:
+    """Return a text of known letters that has another one than TEXT at every place."""
+    others = ([letter for letter in GLYPHS if letter != usual] for usual in TEXT)
+    return "".join(letters[random.integers(len(letters))] for letters in others)
+
+
 def strokes(text: str, *, x: float, y: float, height: float, pitch: float) -> list[Segment]:
     """Return the strokes of a text whose first letter has its upper left corner at (x, y)."""
     unit = height / 6
@@ -181,22 +187,23 @@ def face(
 
 @lru_cache(maxsize=32)
 def label(
-    length_m: float, width_m: float, texel_m: float, albedo: float, ink: float
+    length_m: float, width_m: float, texel_m: float, albedo: float, ink: float, text: str = TEXT
 ) -> NDArray[np.float64]:
     """Return the albedo (rows, columns) of a painted face: a rim, bolts, and the text across it.
 
-    `ink` is the albedo of bolts, text and the bar below it; see `face` for the rest.
+    `ink` is the albedo of bolts, text and the bar below it; the text has seven letters of GLYPHS.
+    See `face` for the rest.
     """
     columns, rows = max(round(length_m / texel_m), 2), max(round(width_m / texel_m), 2)
     u, v = _grid(length_m, width_m, columns, rows)
     wide = length_m / width_m
     rim, bolts = (0.04, 0.6 * albedo), (0.1, 0.035, ink)
     out = _with_rim_and_bolts((u, v), wide, albedo, rim, bolts)
-    # Text of seven letters, 5.5 times as wide as high.
+    # Seven letters are 5.5 times as wide as high.
     height = min(0.5, 0.8 * wide / 5.5)
     left, top = 0.5 * (wide - 5.4 * height), 0.42 - 0.5 * height
     half = 0.095 * height
-    for stroke in strokes(TEXT, x=left, y=top, height=height, pitch=0.784 * height):
+    for stroke in strokes(text, x=left, y=top, height=height, pitch=0.784 * height):
         near = _around(u, v, stroke, half)
         out[near] = _painted(out[near], _distance(u[near], v[near], stroke), half, ink)
     across, down = u[0], v[:, 0]

@@ -22,7 +22,8 @@ YELLOW, BLUE, FOAM = (Paint(colour, livery=True) for colour in ("#f2b61d", "#166
 class Solid:
     """One solid along the body axes: x forward, y starboard, z down.
 
-    Cameras see letters on the faces of a box that is `lettered`.
+    Cameras see letters on the faces of a box that is `lettered`: its text, or the usual one of
+    `camera.lettering`.
     """
 
     shape: Shape
@@ -30,3 +31,4 @@ class Solid:
     centre: Point  # [m]
     paint: Paint
     lettered: bool = False
+    text: str = ""
