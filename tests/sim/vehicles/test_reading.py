@@ -61,7 +61,7 @@ def content_of(value: Any) -> Any:
     """Return a vehicle as JSON, without what the newest fields say: its first form."""
     match value:
         case dict():
-            old = value.keys() - {"spread", "mounts", "lettered"}
+            old = value.keys() - {"spread", "mounts", "lettered", "text"}
             return {key: content_of(one) for key, one in value.items() if key in old}
         case list() | tuple():
             return [content_of(one) for one in value]
