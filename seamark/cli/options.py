@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,6 +12,7 @@ from click.shell_completion import CompletionItem
 from seamark.cli.extras import has_simulator
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+PARTS = ("tracker", "detector")  # roles of further programs in a run
 
 
 def benchmark_argument(command: Command) -> Command:
@@ -27,6 +28,25 @@ def controller_option(command: Command) -> Command:
         help="A file, a folder of them, or a built-in solution.  [default: the benchmark's first]",
         shell_complete=_solutions,
     )(command)
+
+
+def part_options(command: Command) -> Command:
+    """Add an option for the program of each role that a benchmark may have beside its own."""
+    for role in reversed(PARTS):
+        command = click.option(
+            f"--{role}-program",
+            type=click.Path(path_type=Path),
+            metavar="FILE|FOLDER",
+            help=f"A {role} of your own, where the benchmark has one beside the controller, in "
+            f"place of the built-in {role} that the settings choose.",
+        )(command)
+    return command
+
+
+def parts_in(options: Mapping[str, Path | None]) -> dict[str, Path]:
+    """Return role -> file of the options that `part_options` added."""
+    given = {role: options[f"{role}_program"] for role in PARTS}
+    return {role: path for role, path in given.items() if path is not None}
 
 
 def _benchmarks(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -6,7 +6,7 @@ import atexit
 import difflib
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -89,6 +89,29 @@ def file_of(path: Path) -> Path:
     return packed
 
 
+def prepare_parts(files: Mapping[str, Path], *, benchmark: str) -> dict[str, PreparedProgram]:
+    """Return role -> program of the further programs of a run.
+
+    Raises
+    ------
+    UsageRefused
+        The benchmark has no such part, or the file cannot be read or is in no suitable language.
+    ProgramFailed
+        The server would refuse an upload of it.
+    """
+    from seamark.programs import parts
+    from seamark.sim import registry
+
+    prepared: dict[str, PreparedProgram] = {}
+    for role, file in files.items():
+        if refusal := parts.refusal(registry.benchmark(benchmark), role):
+            raise UsageRefused(refusal)
+        path = file_of(file)
+        _check_language(path, role)
+        prepared[role] = prepare_valid(path, benchmark=benchmark, role=role)
+    return prepared
+
+
 def _check_language(path: Path, role: str) -> None:
     from seamark.sandbox.languages import language_of, role_refusal
 
@@ -97,8 +120,13 @@ def _check_language(path: Path, role: str) -> None:
         raise UsageRefused(f"{path}: {refusal}")
 
 
-def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
+def prepare(path: Path, *, benchmark: str, role: str = "") -> PreparedProgram:
     """Return the program in a file, read and checked as an upload of it.
+
+    Parameters
+    ----------
+    role
+        What it is in the benchmark; empty: what the benchmark evaluates.
 
     Raises
     ------
@@ -116,7 +144,7 @@ def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
     if language_of(path.name) is None and not is_archive(path.name):
         raise UsageRefused(f"{path}: files of this type belong to no supported language.")
     try:
-        role = registry.benchmark(benchmark).role
+        role = role or registry.benchmark(benchmark).role
         return prepare_upload(path.read_bytes(), path.name, role=role)
     except OSError as error:
         raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
@@ -124,9 +152,9 @@ def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
         raise ProgramFailed(str(reason)) from None
 
 
-def prepare_valid(path: Path, *, benchmark: str) -> PreparedProgram:
+def prepare_valid(path: Path, *, benchmark: str, role: str = "") -> PreparedProgram:
     """Return the program in a file as `prepare`; raise ProgramFailed if it has diagnostics."""
-    prepared = prepare(path, benchmark=benchmark)
+    prepared = prepare(path, benchmark=benchmark, role=role)
     if prepared.diagnostics:
         raise ProgramFailed("\n".join(diagnostic.text() for diagnostic in prepared.diagnostics))
     return prepared

@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 
+from seamark.programs.role_names import without_role
 from seamark.sandbox.languages import LANGUAGES
 
 IN_THE_BOX = "/docs/box"  # the page that lists what programs find
@@ -54,6 +55,7 @@ _HINTS = (  # the first one whose pattern is in the sentence
 
 def hint(sentence: str) -> Hint:
     """Return what to do about a failure; an empty hint if its sentence says nothing special."""
+    sentence = without_role(sentence)
     if absent := _ABSENT_MODULE.match(sentence):
         return Hint(_absent_module(absent[1]), IN_THE_BOX)
     return next((advice for pattern, advice in _HINTS if pattern.search(sentence)), Hint())

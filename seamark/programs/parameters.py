@@ -141,7 +141,7 @@ def read(parameters: Sequence[Parameter], given: object) -> dict[str, Value]:
         raise ConfigurationInvalid({KEY: "parameters must be an object: name and value."})
     known = {one.name: one for one in parameters}
     errors: dict[str, str] = {}
-    values: dict[str, Value] = {name: one.default for name, one in known.items()}
+    values = defaults(parameters)
     for name, sent in given.items():
         if name not in known:
             has = ", ".join(known) or "none"
@@ -156,6 +156,11 @@ def read(parameters: Sequence[Parameter], given: object) -> dict[str, Value]:
     if errors:
         raise ConfigurationInvalid(errors)
     return values
+
+
+def defaults(parameters: Sequence[Parameter]) -> dict[str, Value]:
+    """Return the value that each parameter has if nobody chooses one."""
+    return {one.name: one.default for one in parameters}
 
 
 def split(config: Mapping[str, Any]) -> tuple[dict[str, Any], Mapping[str, Any]]:

@@ -1,9 +1,9 @@
 """All trials of one run: the same code on the server and in `seamark run`."""
 
-import hashlib
 import json
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -54,9 +54,9 @@ class Evaluation:
         self._runner = TrialRunner(job, make_box, compile_program, connected=connected)
         self._cores = cores
         self._warm_boxes: WarmBoxes | None = None
-        if cores is not None and pool is not None and job.program is not None:
-            self._warm_boxes = WarmBoxes(pool, job.language, cores.count)
-        self._programs: list[Outcome] = []  # one per trial of an upload
+        if cores is not None and pool is not None and job.languages:
+            self._warm_boxes = WarmBoxes(pool, job.languages, cores.count)
+        self._programs: list[Outcome] = []  # one per trial of uploads
         self._box_starts_s: list[float] = []
 
     def run(self) -> RunOutcome:
@@ -123,6 +123,9 @@ class Evaluation:
             own[KEY] = dict(self._runner.parameters)
         if self._connected:
             own["same_bits_on_every_cpu"] = False  # nobody knows what it computes with
+        if parts := self._runner.part_sources:
+            own["parts"] = {role: sha256(text).hexdigest() for role, text in parts.items()}
+            own["same_bits_on_every_cpu"] = False
         disclosed = job.ranked and registry.benchmark(job.benchmark).protocol is not None
         return manifest(
             job.benchmark,
@@ -131,7 +134,7 @@ class Evaluation:
             seeds=job.seeds if disclosed else None,
             trials=len(job.seeds),
             controller=job.controller,
-            program_sha256=hashlib.sha256(source).hexdigest() if source else None,
+            program_sha256=sha256(source).hexdigest() if source else None,
             digest=digest,
             **own,
         )

@@ -25,13 +25,14 @@ from seamark.sim.recording.telemetry import INDEX
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.check_recorder import SEED, CheckRecorder
 from seamark.worker.evaluation.evaluation import Evaluation
-from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.job import Job, PartProgram
 from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.outcomes import RunOutcome
 
 Rows = NDArray[np.float64]
 Controller = str | tuple[bytes, str] | PreparedProgram
+Parts = Mapping[str, PreparedProgram]  # role -> program in place of the built-in solution
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +57,14 @@ class Callbacks:
     trial_restarted: Callable[[int], None] = _ignore  # the rows of this trial are void
 
 
-def evaluate_locally(
+def evaluate_locally(  # noqa: PLR0913 - one argument for each thing that decides a run
     benchmark: str,
     config: Mapping[str, object],
     *,
     seed: int,
     trials: int = 1,
     controller: Controller,
+    parts: Parts | None = None,
     callbacks: Callbacks | None = None,
     isolation: IsolationLevel = IsolationLevel.NONE,
     processes: int | None = None,
@@ -74,6 +76,8 @@ def evaluate_locally(
     controller
         Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
         file, or what `seamark.programs.preparation.prepare` made of any upload.
+    parts
+        Further programs by role, as far as the benchmark has such parts.
     isolation
         Isolation level of the box; see `seamark.sandbox.probing.probes.probe`.
     processes
@@ -89,19 +93,21 @@ def evaluate_locally(
         *(benchmark, config),
         seeds=(seed,) * trials,
         controller=controller,
+        parts=parts,
         callbacks=callbacks,
         isolation=isolation,
         processes=processes,
     )
 
 
-def evaluate_seeds(
+def evaluate_seeds(  # noqa: PLR0913 - one argument for each thing that decides a run
     benchmark: str,
     config: Mapping[str, object],
     *,
     seeds: tuple[int, ...],
     ranked: bool = False,
     controller: Controller,
+    parts: Parts | None = None,
     callbacks: Callbacks | None = None,
     isolation: IsolationLevel = IsolationLevel.NONE,
     processes: int | None = None,
@@ -117,7 +123,7 @@ def evaluate_seeds(
     duration = entry.trial_duration_s(entry.read(parameters.split(config)[0]))
     trials = len(seeds)
     listener = _CallbackListener(callbacks or Callbacks(), duration, trials)
-    with job_of(benchmark, config, controller, seeds=seeds, ranked=ranked) as job:
+    with job_of(benchmark, config, controller, parts=parts, seeds=seeds, ranked=ranked) as job:
         shared_cores = tuple(sorted(os.sched_getaffinity(0))[:processes])
         slot = WorkerSlot(isolation, None, shared_cores=shared_cores)
         cores = slot.cores_for(trials)
@@ -192,10 +198,11 @@ def job_of(
     config: Mapping[str, object],
     controller: Controller,
     *,
+    parts: Parts | None = None,
     seeds: tuple[int, ...],
     ranked: bool = False,
 ) -> Iterator[Job]:
-    """Provide a job, with the program in a file that is deleted afterwards."""
+    """Provide a job, with its programs in files that are deleted afterwards."""
     plain = Job(
         benchmark=benchmark,
         config=dict(config),
@@ -203,18 +210,38 @@ def job_of(
         ranked=ranked,
         controller=controller if isinstance(controller, str) else "upload",
     )
-    if isinstance(controller, str):
+    if isinstance(controller, str) and not parts:
         yield plain
         return
+    with tempfile.TemporaryDirectory(prefix="seamark-") as name:
+        folder = Path(name)
+        files = tuple(_part(role, program, folder) for role, program in (parts or {}).items())
+        yield replace(_with_program(plain, controller, folder), parts=files)
+
+
+def _with_program(job: Job, controller: Controller, folder: Path) -> Job:
+    if isinstance(controller, str):
+        return job
     if isinstance(controller, PreparedProgram):
         source, name, language = controller.content, controller.name, controller.language
     else:
         source, name = controller
         language = language_of(name) or DEFAULT_LANGUAGE
-    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
-        program = Path(folder, "program")
-        program.write_bytes(source)
-        yield replace(plain, program=program, filename=name, language=language)
+    program = folder / "program"
+    program.write_bytes(source)
+    return replace(job, program=program, filename=name, language=language)
+
+
+def _part(role: str, prepared: PreparedProgram, folder: Path) -> PartProgram:
+    program = folder / role
+    program.write_bytes(prepared.content)
+    return PartProgram(
+        role=role,
+        program=program,
+        filename=prepared.name,
+        language=prepared.language,
+        parameters=parameters.defaults(prepared.parameters),
+    )
 
 
 class _CallbackListener:

@@ -10,11 +10,11 @@ import select
 import signal
 import socket
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NoReturn
 
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.pool import BoxLease, Pool
+from seamark.sandbox.pool import BoxLease, Pool, stock_key
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import Listener, Sender, deliver
@@ -36,22 +36,29 @@ class TrialBroken(Exception):
 class WarmBoxes:
     """The boxes that one run takes from the pool of its process, and leases to its trials.
 
-    While trials run, the boxes for the next ones start.
+    While trials run, the boxes for the next ones start: those of the first program's language.
     """
 
-    def __init__(self, pool: Pool, language: str, waiting_max: int) -> None:
+    def __init__(self, pool: Pool, languages: Sequence[str], waiting_max: int) -> None:
+        """Say what programs each trial has, and for how many trials boxes may wait."""
         self._pool = pool
-        self._language = language
+        self._language, self._per_trial = first_language(languages)
         self._waiting_max = waiting_max
 
     def lease(self) -> BoxLease:
-        """Return a box for the next trial, or none if none is waiting: the trial starts its own."""
-        return self._pool.lease(self._language, 1)
+        """Return boxes for the next trial, as far as they wait: the trial starts the others."""
+        return self._pool.lease(self._language, self._per_trial)
 
     def start(self, trials: int) -> None:
         """Start the boxes that are missing for so many trials to come."""
-        self._pool.stock(self._language, min(self._waiting_max, trials))
+        self._pool.stock(self._language, self._per_trial * min(self._waiting_max, trials))
         self._pool.refill()
+
+
+def first_language(languages: Sequence[str]) -> tuple[str, int]:
+    """Return the language of the first program, and how many programs have boxes like its box."""
+    alike = [each for each in languages if stock_key(each) == stock_key(languages[0])]
+    return languages[0], len(alike)
 
 
 class ParallelTrials:

@@ -28,7 +28,9 @@ NAMED_LABELS, LABEL_SHOWN = 5, 20  # [label], [character] in the note about unkn
 class BoxLike(Protocol):
     """The methods of a box that a trial calls; tests have one without a sandbox."""
 
-    def load(  # noqa: D102 - see seamark.sandbox.box.Box
+    @property
+    def outcome(self) -> Outcome | None: ...  # noqa: D102 - see seamark.sandbox.box.Box
+    def load(  # noqa: D102
         self,
         source: bytes,
         filename: str,

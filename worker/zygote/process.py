@@ -28,6 +28,7 @@ from seamark.worker.evaluation.bridged import evaluate_bridged
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.parallel_trials import first_language
 from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
@@ -86,7 +87,7 @@ class Zygote:
         if not packet:
             return False
         job, parent = Job.from_json(packet), os.getpid()
-        boxes = self._pool.lease(job.language, 0 if job.program is None else len(job.seeds))
+        boxes = self._lease(job)
         with socket.socket(fileno=descriptors[0]) as channel:
             pid = os.fork()
             if pid == 0:
@@ -98,6 +99,13 @@ class Zygote:
         boxes.hand_over()
         self._children[os.pidfd_open(pid)] = Child(pid, boxes)
         return True
+
+    def _lease(self, job: Job) -> BoxLease:
+        """Reserve the boxes that wait for the programs of a job."""
+        if not job.languages:
+            return self._pool.lease(job.language, 0)
+        language, per_trial = first_language(job.languages)
+        return self._pool.lease(language, per_trial * len(job.seeds))
 
     def _reap(self, pidfd: int) -> None:
         """Reap a child that ended, and close the boxes that it could not close."""

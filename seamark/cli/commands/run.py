@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from seamark.cli.console import INTERRUPTED, exit_with, print_json
-from seamark.cli.options import benchmark_argument, json_option, run_options
+from seamark.cli.options import (
+    benchmark_argument,
+    json_option,
+    part_options,
+    parts_in,
+    run_options,
+)
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
@@ -27,6 +34,7 @@ class LocalRun:
     controller: str
     role: str
     program: PreparedProgram | None
+    parts: Mapping[str, PreparedProgram] = field(default_factory=dict)  # role -> program
     seed: int
     trials: int
 
@@ -34,6 +42,7 @@ class LocalRun:
 @click.command()
 @benchmark_argument
 @run_options
+@part_options
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the data.")
 @click.option(
     "--score",
@@ -52,6 +61,7 @@ def run(  # noqa: PLR0913  # one argument per option
     out: Path | None,
     score: str | None,
     as_json: bool,
+    **parts: Path | None,
 ) -> None:
     """Evaluate a controller or tracker on this machine, bit for bit as on a server.
 
@@ -64,13 +74,19 @@ def run(  # noqa: PLR0913  # one argument per option
       seamark run currents-v2 --config config.json --json
       seamark run visibility-v2 --set tracker=esm --set warp=srt
       seamark run visibility-v2 --controller my_tracker.py
+      seamark run mission-v1 --controller resolved-rate --detector-program my_detector.py
     """
     from seamark.cli.extras import absent_in_box
     from seamark.cli.output_folder import OutputFolder
 
     if score is not None:
         pairs = (*pairs, f"score={score}")
-    local_run = _local_run(benchmark, controller, pairs, config, trials=trials or 1, seed=seed)
+    local_run = _local_run(
+        *(benchmark, controller, pairs, config),
+        trials=trials or 1,
+        seed=seed,
+        parts=parts_in(parts),
+    )
     output = OutputFolder(out)
     output.comments = _header_comments(local_run)
     if not as_json:
@@ -98,9 +114,10 @@ def _local_run(
     *,
     trials: int,
     seed: int | None,
+    parts: Mapping[str, Path],
 ) -> LocalRun:
     from seamark.cli.configuration import benchmark_of, run_configuration_of
-    from seamark.cli.solutions import choose, prepare_valid
+    from seamark.cli.solutions import choose, prepare_parts, prepare_valid
     from seamark.sim import registry
     from seamark.sim.engine.seeds import SEED_MAX
 
@@ -113,6 +130,7 @@ def _local_run(
         controller=name,
         role=registry.benchmark(benchmark).role,
         program=program,
+        parts=prepare_parts(parts, benchmark=benchmark),
         seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
         trials=trials,
     )
@@ -131,8 +149,9 @@ def _header_comments(local_run: LocalRun) -> list[str]:
         if program
         else benchmark.solution_label_of(local_run.controller, local_run.config)
     )
+    parts = "".join(f", {role} {one.name}" for role, one in local_run.parts.items())
     return [
-        f"{local_run.role} {solution}, seed {local_run.seed}, trials {local_run.trials}",
+        f"{local_run.role} {solution}{parts}, seed {local_run.seed}, trials {local_run.trials}",
         *grid.level_comments(benchmark.restore(local_run.config)),
         telemetry.units(),
     ]
@@ -145,7 +164,8 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
     from seamark.sandbox.isolation.level import IsolationLevel
 
     program = local_run.program
-    isolation = IsolationLevel.NONE if program is None else isolation_level()
+    boxes = program is not None or local_run.parts
+    isolation = isolation_level() if boxes else IsolationLevel.NONE
     with (
         sandbox_failures_explained(),
         Progress(local_run.benchmark, quiet=quiet) as bar,
@@ -165,6 +185,7 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
             seed=local_run.seed,
             trials=local_run.trials,
             controller=program or local_run.controller,
+            parts=local_run.parts,
             callbacks=callbacks,
             isolation=isolation,
         )

@@ -24,7 +24,8 @@ class FakeBox:
         *,
         command: Command = (0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        self.ends_at, self.outcome = ends_at, outcome
+        self.ends_at, self._end = ends_at, outcome
+        self.outcome: Outcome | None = None  # until it has ended
         self.command = command
         self.steps, self.closed = 0, False
 
@@ -39,9 +40,7 @@ class FakeBox:
     def reset(self, level: Mapping[str, object]) -> None: ...
 
     def step(self, values: Any) -> Command:
-        if self.steps == self.ends_at:
-            raise ProgramEnded(self.outcome)
-        self.steps += 1
+        self._answer()
         return self.command
 
     def show(self, images: Any) -> None: ...
@@ -49,10 +48,18 @@ class FakeBox:
     def start(self, image: Any, corners: Any) -> None: ...
 
     def update(self, image: Any) -> Corners | Loss:
+        self._answer()
         return Loss.REPORTED
 
     def detect(self, image: Any) -> list[Detection]:
+        self._answer()
         return []
+
+    def _answer(self) -> None:
+        if self.steps == self.ends_at:
+            self.outcome = self._end
+            raise ProgramEnded(self._end)
+        self.steps += 1
 
     def finish(self) -> Outcome:
         return Outcome(verdict=Verdict.OK, sentence="fine")
