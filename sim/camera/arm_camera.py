@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.camera.bodies import Bodies, Placed
+from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera, Window
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.link_camera import LinkCamera, downward, lamp_beside
@@ -47,7 +48,7 @@ class ArmCamera(Camera):
     """`Camera` where the vehicle has an arm: an image depends on its joints, too.
 
     A pose is that of `Posture.place`: of the vehicle with its velocities, of the joints of the
-    arm's motors, and of the workpiece, whose face then is the target.
+    arm's motors, of the workpiece, whose face then is the target, and of other things.
     """
 
     def __init__(
@@ -60,15 +61,23 @@ class ArmCamera(Camera):
         workpiece: Workpiece | None = None,
         noise_seed: int,
         effects: Effects | None = None,
+        bottom: Tiles | None = None,
     ) -> None:
-        """Set up the cameras of a vehicle and of the arm that it carries."""
+        """Set up the cameras of a vehicle and of the arm that it carries.
+
+        `bottom` is a painted seabed instead of the plain one.
+        """
         super().__init__(optics, water, target, noise_seed=noise_seed, effects=effects)
         self.workpiece = workpiece
         vehicle, mounting = carried
         things = () if workpiece is None else workpiece.things
         assembly = assemble(vehicle, [mounting, *things], bottom=False)
         links = [link.name for link in assembly.mechanism.links]
-        self._posture = Posture(assembly, None if workpiece is None else workpiece.link)
+        self._posture = (
+            Posture(assembly)
+            if workpiece is None
+            else Posture(assembly, workpiece.link, workpiece.others)
+        )
         self._numbers = b""  # of the pose that the links are at
         self._links: Placed
         self._face = None if workpiece is None else _Face(workpiece, links)
@@ -84,6 +93,7 @@ class ArmCamera(Camera):
             noise_seed=noise_seed,
             effects=effects,
         )
+        self._eye.bottom = bottom
         self._on_arm = None
         if assembly.camera is not None:
             self._on_arm = LinkCamera(
@@ -96,6 +106,7 @@ class ArmCamera(Camera):
                 lamp=lamp_beside(downward(optics)),
                 effects=effects,
             )
+            self._on_arm.bottom = bottom
 
     def colour_on_arm(self, pose: Array, frame: int) -> NDArray[np.uint8] | None:
         """Return a new image (H, W, 3) in blue, green, red; None without a camera on the arm."""

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera import link_effects, link_raycast
 from seamark.sim.camera.bodies import Bodies, Placed
 from seamark.sim.camera.body_rows import layers_for
+from seamark.sim.camera.bottom.painter import Tiles, packed_tile
 from seamark.sim.camera.camera import (
     GREEN,
     Window,
@@ -45,7 +46,10 @@ def lamp_beside(camera: Frame) -> Frame:
 @cache  # each level has cameras of its own
 def _mean_of_seabed(number: int) -> float:
     """Return the mean of the seabed's texture in one colour channel [grey]."""
-    tile = texels(SEABED_SEED, number)
+    return _mean_of(texels(SEABED_SEED, number))
+
+
+def _mean_of(tile: NDArray[np.uint8]) -> float:
     return int(tile.sum(dtype=np.int64)) / tile.size
 
 
@@ -70,6 +74,7 @@ class LinkCamera:
     ) -> None:
         self.optics, self.water, self.bodies = optics, water, bodies
         self.effects = effects or Effects()
+        self.bottom: Tiles | None = None  # a painted seabed; set before the first image
         if self.effects.fish_per_min > 0:
             raise ValueError("fish swim before the target's camera only: fish_per_min must be 0")
         self._stage = Stage(
@@ -162,17 +167,19 @@ class LinkCamera:
     def _tones(self, number: int) -> Tones:
         """Return what belongs to one colour channel."""
         if number not in self._channels:
-            water = self.water
+            water, painted = self.water, self.bottom
             self._channels[number] = Tones(
                 channel=Channel(
-                    seabed=seabed(SEABED_SEED, number),
+                    seabed=seabed(SEABED_SEED, number)
+                    if painted is None
+                    else packed_tile(painted[number]),
                     box_texture=np.zeros(1, np.int32),
                     attenuation=float(water.attenuation[number]),
                     veil=255.0 * water.veil[number],
                     number=number,
                 ),
                 paints=self.bodies.paints(number),
-                mean=_mean_of_seabed(number),
+                mean=_mean_of_seabed(number) if painted is None else _mean_of(painted[number]),
             )
         return self._channels[number]
 

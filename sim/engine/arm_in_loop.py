@@ -6,12 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from seamark.sim.engine.world import Arm
-from seamark.sim.multibody.workpiece import MOTION
+from seamark.sim.multibody.workpiece import MEASURED, MOTION
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.recording.telemetry import ARM_INDEX, WORK_INDEX
+from seamark.sim.recording.telemetry import ARM_INDEX, SEARCH_INDEX, WORK_INDEX
 
 _WORK = slice(WORK_INDEX["workpiece_x"], WORK_INDEX["tool_yaw"] + 1)
 _WORK_FORCES = slice(WORK_INDEX["work_arm_n"], WORK_INDEX["work_rest_n"] + 1)
+_DECOY = slice(SEARCH_INDEX["decoy_x"], SEARCH_INDEX["decoy_arm_n"])
+_DECOY_FORCES = slice(SEARCH_INDEX["decoy_arm_n"], SEARCH_INDEX["decoy_rest_n"] + 1)
 _PUSH = WORK_INDEX["work_push_n"]
 _PUSH_AXES = slice(WORK_INDEX["work_fx"], WORK_INDEX["work_fz"] + 1)
 
@@ -47,14 +49,15 @@ class ArmInLoop:
         self._touch = _columns("touch_0", feelers)
         self._peak = ARM_INDEX["arm_peak_n"]
 
-    def motion(self) -> tuple[Array, Array, Array]:
+    def motion(self) -> tuple[Array, Array, Array, Array]:
         """Return what images depend on: see `Posture.place`, without the vehicle.
 
         Coordinates of the motors' joints, (a,) [rad or m], their speeds, and where the workpiece
-        is, which is measured now.
+        and other things are, which is measured now.
         """
         self._plant.measure_work()
-        return self._plant.joints(), self._plant.joint_rates(), self._plant.work[:MOTION]
+        work = self._plant.work
+        return self._plant.joints(), self._plant.joint_rates(), work[:MOTION], work[MEASURED:]
 
     def measure(self, reading: int, row: Array) -> None:
         """Read the sensors at a control step; fill the row and the observation."""
@@ -65,11 +68,13 @@ class ArmInLoop:
             row[columns] = part
         row[self._touch], row[self._peak] = plant.readings.touch_n, plant.readings.peak_n[0]
         if len(plant.work):
-            row[_WORK] = plant.work
+            row[_WORK] = plant.work[:MEASURED]
             row[_WORK_FORCES] = plant.readings.work_n
             x, y, z = plant.readings.push.tolist()
             row[_PUSH] = math.sqrt(x * x + y * y + z * z)
             row[_PUSH_AXES] = plant.readings.push
+        if len(plant.work) > MEASURED:
+            row[_DECOY], row[_DECOY_FORCES] = plant.work[MEASURED:], plant.readings.other_n
         self._seen_corners[:] = self._corners
         self._sensors.read(reading, self._true, plant.readings.touch_n, self._seen)
 

@@ -21,6 +21,7 @@ from seamark.sim.recording.telemetry import (
     COMMON_THRUSTERS,
     DETECTION_WIDTH,
     INDEX,
+    SEARCH_WIDTH,
     WIDTH,
     WORK_WIDTH,
 )
@@ -185,6 +186,8 @@ def thrust_column(thruster: int, width: int) -> int:
     first = WIDTH if width - detections < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
     if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH:
         first += WORK_WIDTH
+    if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH + SEARCH_WIDTH:
+        first += SEARCH_WIDTH
     first += detections
     return first + thruster - COMMON_THRUSTERS
 

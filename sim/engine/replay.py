@@ -16,7 +16,15 @@ from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, has_arm, has_work
+from seamark.sim.recording.telemetry import (
+    ARM_INDEX,
+    INDEX,
+    SEARCH_INDEX,
+    WORK_INDEX,
+    has_arm,
+    has_search,
+    has_work,
+)
 from seamark.sim.settings.configuration import Configuration
 
 Image = NDArray[np.uint8]
@@ -25,6 +33,7 @@ Row = NDArray[np.float64]
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 _JOINTS = slice(ARM_INDEX["joint_0"], ARM_INDEX["joint_ref_0"])  # and their speeds
 _WORK = slice(WORK_INDEX["workpiece_x"], WORK_INDEX["reach"])
+_DECOY = slice(SEARCH_INDEX["decoy_x"], SEARCH_INDEX["decoy_arm_n"])
 _CACHED_CAMERAS = 12  # one per level
 
 
@@ -38,7 +47,7 @@ class CameraFrame:
 
     camera: Camera
     # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]; with an arm, its
-    # joints and their speeds follow, and where its workpiece is
+    # joints and their speeds follow, where its workpiece is, and where the wrong one is
     motion: Row
     number: int  # of the frame in the trial
 
@@ -112,6 +121,8 @@ class Replay:
             motion = np.concatenate([motion, row[_JOINTS]])
         if has_work(len(row)):
             motion = np.concatenate([motion, row[_WORK]])
+        if has_search(len(row)):
+            motion = np.concatenate([motion, row[_DECOY]])
         motion = np.ascontiguousarray(motion)
         return CameraFrame(self.camera(trial, level), motion, number)
 

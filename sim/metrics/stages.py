@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.arrays import Array, Flags
-from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, Rows
+from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, SEARCH_INDEX, WORK_INDEX, Rows
 
 HELD = Metric("held", "Done", "", "higher", meaning="all stages reached, without a strike")
-_COLUMNS = {**INDEX, **ARM_INDEX, **WORK_INDEX}
+_COLUMNS = {**INDEX, **ARM_INDEX, **WORK_INDEX, **SEARCH_INDEX}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,13 @@ from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Command, Model, State, Work, take_step
 from seamark.sim.multibody.tree import WORLD, place
 from seamark.sim.multibody.vectors import Vector, cross, dot, minus, rotate, three
-from seamark.sim.multibody.workpiece import MEASURED, Workpiece, measure, points_of
+from seamark.sim.multibody.workpiece import (
+    MEASURED,
+    OTHER_MOTION,
+    Workpiece,
+    measure,
+    points_of,
+)
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.uncounted import uncounted
@@ -37,9 +43,9 @@ class Gauges(NamedTuple):
     link: Integers  # (1,) through whose joint the measured wrench goes, or WORLD
     point: Array  # (3,) [m] where it is measured, in the axes of that link
     turn: Array  # (3, 3) from the sensor's axes into the link's
-    part: Integers  # (s,) of each shape: the number of its feeler, or HULL, ARM, WORKPIECE, REST
+    part: Integers  # (s,) of each shape: the number of its feeler, or one of HULL to OTHER
     loads: Array  # (k, 6) of each joint in the last step
-    sums: Array  # (14 + a + f,) the fields of `Readings`, over steps
+    sums: Array  # (17 + a + f,) the fields of `Readings`, over steps
     force: Array  # (4,) on the hull, and on the arm, in one step
 
 
@@ -53,10 +59,11 @@ class Readings(NamedTuple):
     effort: Array  # (a,) [N m or N] of each motor
     touch_n: Array  # (f,) contact forces on each feeler, added up
     work_n: Array  # (3,) contact forces on the workpiece by arm, hull, and all else, added up
+    other_n: Array  # (3,) the same on all other things that move freely
 
 
-HULL, ARM, WORKPIECE, REST = -1, -2, -3, -4
-_HULL, _PEAK, _PUSH, _WORK, _EFFORT = 6, 7, 8, 11, 14
+HULL, ARM, WORKPIECE, REST, OTHER = -1, -2, -3, -4, -5
+_HULL, _PEAK, _PUSH, _WORK, _OTHER, _EFFORT = 6, 7, 8, 11, 14, 17
 
 
 class ArmedPlant(Plant):
@@ -110,7 +117,8 @@ class ArmedPlant(Plant):
         driven = [self.assembly.mechanism.number(name) for name in self.assembly.motors]
         self._coordinates = self._model.structure.coordinate[driven]
         self._rates = self._model.structure.speed[driven]
-        self.work = np.zeros(0 if workpiece is None else MEASURED)  # as `measure_work` left it
+        measured = (MEASURED + OTHER_MOTION * len(workpiece.others)) if workpiece else 0
+        self.work = np.zeros(measured)  # as `measure_work` left it
         self._points = None if workpiece is None else points_of(workpiece, self.assembly)
         self.grip_m = None if workpiece is None else workpiece.grip
         self._measure = SameTypes(measure)
@@ -215,7 +223,8 @@ def _readings(means: Array, motors: int) -> Readings:
         hull_n=means[_HULL:_PEAK],
         peak_n=means[_PEAK:_PUSH],
         push=means[_PUSH:_WORK],
-        work_n=means[_WORK:_EFFORT],
+        work_n=means[_WORK:_OTHER],
+        other_n=means[_OTHER:_EFFORT],
         effort=means[_EFFORT : _EFFORT + motors],
         touch_n=means[_EFFORT + motors :],
     )
@@ -241,6 +250,8 @@ def _part(shape: str, assembly: Assembly, workpiece: Workpiece | None) -> int:
         return HULL
     if workpiece is not None and shape in workpiece.shapes:
         return WORKPIECE
+    if workpiece is not None and shape in workpiece.other_shapes:
+        return OTHER
     return ARM if shape in assembly.arm else REST
 
 
@@ -308,7 +319,9 @@ def _add_contacts(
             total[i] += sign * force[i]
         if _of_arm(a) != _of_arm(b):
             total[3] += size
-        _add_work(a, b, force, size, gauges)
+        _add_push(a, b, force, gauges)
+        _add_to(WORKPIECE, _WORK, (a, b), size, gauges)
+        _add_to(OTHER, _OTHER, (a, b), size, gauges)
     gauges.sums[_HULL] += math.sqrt(total[0] * total[0] + total[1] * total[1] + total[2] * total[2])
     gauges.sums[_PEAK] = max(gauges.sums[_PEAK], total[3])
 
@@ -319,17 +332,24 @@ def _of_arm(part: int) -> bool:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _add_work(a: int, b: int, force: Vector, size: float, gauges: Gauges) -> None:
-    """Add a contact force on a part by another, if one of them is the workpiece."""
-    if (a == WORKPIECE) == (b == WORKPIECE):
-        return
-    other = a if b == WORKPIECE else b
-    if _of_arm(other):
-        gauges.sums[_WORK] += size
+def _add_push(a: int, b: int, force: Vector, gauges: Gauges) -> None:
+    """Add a contact force of the arm on the workpiece, if it is one."""
+    if (a == WORKPIECE and _of_arm(b)) or (b == WORKPIECE and _of_arm(a)):
         sign = 1.0 if a == WORKPIECE else -1.0
         for i in range(3):
             gauges.sums[_PUSH + i] += sign * force[i]
-    elif other == HULL:
-        gauges.sums[_WORK + 1] += size
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add_to(part: int, first: int, touching: tuple[int, int], size: float, gauges: Gauges) -> None:
+    """Add the size of a contact force on a part to the sums by arm, hull, and all else."""
+    a, b = touching
+    if (a == part) == (b == part):
+        return
+    by = a if b == part else b
+    if _of_arm(by):
+        gauges.sums[first] += size
+    elif by == HULL:
+        gauges.sums[first + 1] += size
     else:
-        gauges.sums[_WORK + 2] += size
+        gauges.sums[first + 2] += size

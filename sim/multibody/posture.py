@@ -1,5 +1,6 @@
 """Where the links of a vehicle with an arm are, from the vehicle's pose and the arm's joints."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from seamark.sim.multibody.assembly import Assembly
 from seamark.sim.multibody.mechanism import state_for, work_for
 from seamark.sim.multibody.tree import FREE, Frames, Links, Structure, place, write_bias
-from seamark.sim.multibody.workpiece import MOTION
+from seamark.sim.multibody.workpiece import MOTION, OTHER_MOTION
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.uncounted import uncounted
@@ -23,13 +24,16 @@ class _Motion(NamedTuple):
     joints: Integers  # (j, 3) coordinate, degree of freedom and motor of each joint
     ratio: Array  # (j,) of the joint's speed to its motor's
     work: Integers  # (3,) coordinate and degree of freedom of a workpiece, 1 if it is free; or (0,)
+    others: Integers  # (m, 2) coordinate and degree of freedom of other free things
 
 
 class Posture:
     """The links of a vehicle with an arm and of what it works on, in the order of a mechanism."""
 
-    def __init__(self, assembly: Assembly, workpiece: str | None = None) -> None:
-        """Take a mechanism; `workpiece` is the name of the link of a workpiece in it."""
+    def __init__(
+        self, assembly: Assembly, workpiece: str | None = None, others: Sequence[str] = ()
+    ) -> None:
+        """Take a mechanism; `workpiece` is the link of a workpiece, `others` of other things."""
         mechanism = assembly.mechanism
         self._model = mechanism.model(_STEP_S)
         self._state, self._frames = state_for(self._model), work_for(self._model).frames
@@ -52,6 +56,13 @@ class Posture:
             np.array(joints, np.int64).reshape(-1, 3),
             np.array(ratios, np.float64),
             np.array(work, np.int64),
+            np.array(
+                [
+                    (structure.coordinate[number], structure.speed[number])
+                    for number in map(mechanism.number, others)
+                ],
+                np.int64,
+            ).reshape(-1, 2),
         )
         self._place = SameTypes(place_and_move)
 
@@ -60,10 +71,11 @@ class Posture:
 
         Parameters
         ----------
-        motion : (12 + 2 a,) or (26 + 2 a,)
+        motion : (12 + 2 a,) or (26 + 2 a + 12 m,)
             Pose of the vehicle [m, rad], velocities in its body frame [m/s, rad/s], coordinates of
             the joints of the arm's motors [rad or m], and their speeds; a may be more than these.
-            Then the first numbers of `workpiece.measure`, if there is a workpiece.
+            Then the first numbers of `workpiece.measure`, if there is a workpiece, and pose and
+            velocities of each other thing.
 
         Returns
         -------
@@ -95,6 +107,9 @@ def place_and_move(
     """
     q, v = moving
     end = motion.size
+    for k in range(belong.others.shape[0] - 1, -1, -1):
+        end -= OTHER_MOTION
+        _place_free(motion[end:], q[belong.others[k, 0] :], v[belong.others[k, 1] :])
     if belong.work.size:
         end -= MOTION
         coordinate, speed, free = belong.work[0], belong.work[1], belong.work[2]

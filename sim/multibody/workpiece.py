@@ -16,6 +16,7 @@ from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.libm import asin, atan2
 
 MOTION = 14  # numbers of `measure` that images depend on: pose, velocities, joint and its speed
+OTHER_MOTION = 12  # likewise of each other thing: pose and velocities
 _REACH, _TOOL, MEASURED = 14, 15, 21
 
 
@@ -34,6 +35,9 @@ class Workpiece:
     # y axis is downwards as one reads its letters; length and width [m].
     face: Frame
     size_m: tuple[float, float]
+    # Things that look like it but are not to be worked on; each has one link, which moves freely.
+    others: tuple[str, ...] = ()
+    other_shapes: tuple[str, ...] = ()
 
     def corners(self) -> Array:
         """Return the corners of the face in the axes of its link, (4, 3) [m].
@@ -52,6 +56,7 @@ class Points(NamedTuple):
     links: Integers  # (2,) of the tool and of the workpiece
     at: Array  # (2, 3) [m] tool centre point and grip, in the axes of their links
     turn: Array  # (3, 3) from the tool's axes into those of its link
+    others: Integers  # (m,) links of other things
 
 
 def points_of(workpiece: Workpiece, assembly: Assembly) -> Points:
@@ -69,6 +74,7 @@ def points_of(workpiece: Workpiece, assembly: Assembly) -> Points:
         links=np.array([number(assembly.tool.link), number(workpiece.link)]),
         at=np.array([assembly.tool.point, workpiece.grip]),
         turn=np.ascontiguousarray(assembly.tool.turn),
+        others=np.array([number(name) for name in workpiece.others], dtype=np.int64),
     )
 
 
@@ -80,25 +86,25 @@ def measure(model: Model, q: Array, v: Array, points: Points, frames: Frames, ou
     ----------
     frames
         A buffer.
-    out : (21,)
+    out : (21 + 12 m,)
         Pose [m NED, rad] and velocities over ground in its axes [m/s, rad/s] of the link, if it is
         free, else its pose alone; coordinate and speed of its joint, if it has one [rad or m];
-        distance of the tool centre point from the grip [m]; pose of the tool.
+        distance of the tool centre point from the grip [m]; pose of the tool. Then pose and
+        velocities of each other thing.
     """
     model, points, frames = borrowed(model), borrowed(points), borrowed(frames)
     structure = model.structure
     place(structure, model.links, q, frames)
     number = points.links[1]
-    for a in range(3):
-        out[a] = frames.position[number, a]
-    _write_attitude(frames.rotation[number], out[3:6])
     out[6:MOTION] = 0.0
-    first, speed = structure.coordinate[number], structure.speed[number]
     if structure.joint[number] == FREE:
-        for a in range(6):
-            out[6 + a] = v[speed + a]
+        _write_free(number, structure.speed[number], v, frames, out)
     else:
-        out[12], out[13] = q[first], v[speed]
+        _write_pose(number, frames, out)
+        out[12], out[13] = q[structure.coordinate[number]], v[structure.speed[number]]
+    for k in range(points.others.size):
+        other = points.others[k]
+        _write_free(other, structure.speed[other], v, frames, out[MEASURED + k * OTHER_MOTION :])
     tool = points.links[0]
     there = _point(tool, three(points.at, 0, 0), frames)
     grip = _point(number, three(points.at, 1, 0), frames)
@@ -111,6 +117,21 @@ def measure(model: Model, q: Array, v: Array, points: Points, frames: Frames, ou
             for c in range(3):
                 turn[a, b] += frames.rotation[tool, a, c] * points.turn[c, b]
     _write_attitude(turn, out[_TOOL + 3 :])
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_pose(link: int, frames: Frames, out: Array) -> None:
+    for a in range(3):
+        out[a] = frames.position[link, a]
+    _write_attitude(frames.rotation[link], out[3:6])
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_free(link: int, speed: int, v: Array, frames: Frames, out: Array) -> None:
+    """Write pose and velocities of a link that moves freely, whose first speed is at `speed`."""
+    _write_pose(link, frames, out)
+    for a in range(6):
+        out[6 + a] = v[speed + a]
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -5,10 +5,11 @@ the program's velocity reference and the thrust acting at that moment. Positions
 frame (NED), velocities in the body frame.
 
 Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with an arm
-has `ARM_WIDTH` further columns, one that works on something `WORK_WIDTH` more, a row of a detector
-`DETECTION_WIDTH` more, and a vehicle with more thrusters has theirs at the end. These are fewer
-than the columns of any group, and those of a detector more than all others together, so the width
-of a row says which columns it has, and rows of all versions and vehicles can be read alike.
+has `ARM_WIDTH` further columns, one that works on something `WORK_WIDTH` more, one that first has
+to find it `SEARCH_WIDTH` more, a row of a detector `DETECTION_WIDTH` more, and a vehicle with more
+thrusters has theirs at the end. These are fewer than the columns of any group, and those of a
+detector more than all others together, so the width of a row says which columns it has, and rows of
+all versions and vehicles can be read alike.
 """
 
 import hashlib
@@ -131,6 +132,24 @@ WORK_COLUMNS: tuple[Column, ...] = (
     Column("work_push_n", "N", "magnitude of the net contact force of the arm on it, mean as well"),
     *_vector("work_fx work_fy work_fz", "N", "this net force, world frame"),
 )
+SEARCH_COLUMNS: tuple[Column, ...] = (
+    Column("searching", "", "1 while no target is being tracked, so that a detector looks for one"),
+    Column("looked", "", "1 if a detector was given the image of this row"),
+    Column("confidence", "", "of the last answer on the target that is tracked, or 0; 0 to 1"),
+    *_vector(
+        "found_x0 found_y0 found_x1 found_y1 found_x2 found_y2 found_x3 found_y3",
+        "px",
+        "corners of the most confident answer to this image; nan if there is none",
+    ),
+    Column("found_confidence", "", "its confidence, 0 to 1; nan if there is none"),
+    *_vector("decoy_x decoy_y decoy_z", "m", "position of the wrong thing's origin, world frame"),
+    *_vector("decoy_roll decoy_pitch decoy_yaw", "rad", "its attitude"),
+    *_vector("decoy_u decoy_v decoy_w", "m/s", "its velocity over ground in its axes"),
+    *_vector("decoy_p decoy_q decoy_r", "rad/s", "its angular velocity likewise"),
+    Column("decoy_arm_n", "N", "contact force of the arm on the wrong thing, mean since last row"),
+    Column("decoy_hull_n", "N", "the same of the vehicle's hull"),
+    Column("decoy_rest_n", "N", "the same of the seabed and of all other things"),
+)
 _CORNERS = "x0 y0 x1 y1 x2 y2 x3 y3"
 OBJECT_COLUMNS: tuple[Column, ...] = (
     Column("state", "", "object of one class: 0 not in the image, 1 counts, 2 is ignored"),
@@ -169,9 +188,14 @@ INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
 ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
 DETECTION_WIDTH = len(DETECTION_COLUMNS)
+SEARCH_WIDTH = len(SEARCH_COLUMNS)
 _WORK_START = WIDTH + ARM_WIDTH
+_SEARCH_START = _WORK_START + WORK_WIDTH
 WORK_INDEX: dict[str, int] = {
     column.name: _WORK_START + at for at, column in enumerate(WORK_COLUMNS)
+}
+SEARCH_INDEX: dict[str, int] = {
+    column.name: _SEARCH_START + at for at, column in enumerate(SEARCH_COLUMNS)
 }
 STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
@@ -196,8 +220,14 @@ def has_work(width: int) -> bool:
     return _without_detections(width) >= WIDTH + ARM_WIDTH + WORK_WIDTH
 
 
+def has_search(width: int) -> bool:
+    """Return whether rows of this width are those of a vehicle that first looks for its work."""
+    return _without_detections(width) >= WIDTH + ARM_WIDTH + WORK_WIDTH + SEARCH_WIDTH
+
+
 def _before_detections(width: int) -> int:
-    return WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
+    work = WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
+    return work + has_search(width) * SEARCH_WIDTH
 
 
 def _before_thrusts(width: int) -> int:
@@ -209,10 +239,11 @@ def columns(width: int) -> tuple[Column, ...]:
     """Return the columns of rows of this width."""
     arm = ARM_COLUMNS if has_arm(width) else ()
     work = WORK_COLUMNS if has_work(width) else ()
+    search = SEARCH_COLUMNS if has_search(width) else ()
     detections = DETECTION_COLUMNS if has_detections(width) else ()
     thrusters = COMMON_THRUSTERS + width - _before_thrusts(width)
     further = map(_thrust, range(COMMON_THRUSTERS, thrusters))
-    return (*COLUMNS, *arm, *work, *detections, *further)
+    return (*COLUMNS, *arm, *work, *search, *detections, *further)
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -221,14 +252,20 @@ def names(width: int) -> tuple[str, ...]:
 
 
 def width_for(
-    thrusters: int, *, arm: bool = False, work: bool = False, detections: bool = False
+    thrusters: int,
+    *,
+    arm: bool = False,
+    work: bool = False,
+    search: bool = False,
+    detections: bool = False,
 ) -> int:
     """Return the width of a row for a vehicle with this number of thrusters.
 
-    `arm` is whether it has an arm, `work` whether that works on something, `detections` whether a
-    detector answers its images.
+    `arm` is whether it has an arm, `work` whether that works on something, `search` whether it
+    first looks for it, `detections` whether a detector answers its images.
     """
-    own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH + detections * DETECTION_WIDTH
+    own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH + search * SEARCH_WIDTH
+    own += detections * DETECTION_WIDTH
     return own + max(thrusters - COMMON_THRUSTERS, 0)
 
 

@@ -188,6 +188,10 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return whether the arm works on something that telemetry follows."""
         return False
 
+    def searches(self) -> bool:
+        """Return whether what the arm works on has to be found first."""
+        return False
+
     def vehicles(self) -> tuple[str, ...]:
         """Return the vehicles that take turns from trial to trial: one, unless overridden."""
         return (self.vehicle,)
@@ -268,9 +272,12 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return how many rows a trial has, one per control step, and how many columns."""
         thrusters = max(len(load(name).thrusters) for name in self.vehicles())
         rows = len(self.level_values()) * self.control_steps_per_level
-        return rows, width_for(
-            thrusters, arm=self.chosen_arm() is not None, work=self.has_workpiece()
-        )
+        return rows, self.telemetry_width(thrusters)
+
+    def telemetry_width(self, thrusters: int) -> int:
+        """Return how many columns a row has for a vehicle with this number of thrusters."""
+        arm = self.chosen_arm() is not None
+        return width_for(thrusters, arm=arm, work=self.has_workpiece(), search=self.searches())
 
     @property
     def physics_steps_per_control_step(self) -> int:

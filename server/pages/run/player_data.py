@@ -68,8 +68,7 @@ def _width(files: RunFiles, config: Configuration) -> int:
         return len(files.columns)
     if not isinstance(config, ExperimentSettings):
         return config.telemetry_shape()[1]
-    arm, work = config.chosen_arm() is not None, config.has_workpiece()
-    return telemetry.width_for(telemetry.COMMON_THRUSTERS, arm=arm, work=work)
+    return config.telemetry_width(telemetry.COMMON_THRUSTERS)
 
 
 def _charts(run: RunView, charts: Sequence[Chart]) -> list[dict[str, Any]]:

@@ -69,9 +69,14 @@ class RunFiles:
         """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
         written = self._written_names()
         thrusters = sum(name.startswith("thrust_") for name in written)
-        optional = telemetry.ARM_COLUMNS, telemetry.WORK_COLUMNS, telemetry.DETECTION_COLUMNS
-        arm, work, detections = (group[0].name in written for group in optional)
-        width = telemetry.width_for(thrusters, arm=arm, work=work, detections=detections)
+        optional = {
+            "arm": telemetry.ARM_COLUMNS,
+            "work": telemetry.WORK_COLUMNS,
+            "search": telemetry.SEARCH_COLUMNS,
+            "detections": telemetry.DETECTION_COLUMNS,
+        }
+        has = {name: group[0].name in written for name, group in optional.items()}
+        width = telemetry.width_for(thrusters, **has)
         return telemetry.names(width)
 
     def attempts(self) -> list[int]:
