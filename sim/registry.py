@@ -17,6 +17,7 @@ BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
     "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
+    "mission-v1": "seamark.sim.benchmarks.mission_v1.definition:BENCHMARK",
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
     "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
     "connect-v1": "seamark.sim.benchmarks.connect_v1.definition:BENCHMARK",
@@ -57,6 +58,9 @@ REFERENCE_CONTROLLERS = {
 }
 # What moves an arm, by the task that it is for; marks on the leaderboards last.
 ARM_CONTROLLERS = {
+    "mission": {
+        "chain": "seamark.sim.control.manipulation.recover:ResolvedRate",
+    },
     "recover": {
         "resolved-rate": "seamark.sim.control.manipulation.recover:ResolvedRate",
         "scripted": "seamark.sim.control.manipulation.recover:Scripted",
@@ -71,6 +75,9 @@ ARM_CONTROLLERS = {
     },
 }
 REFERENCE_ARM_CONTROLLERS = {
+    "mission": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+    },
     "recover": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.manipulation.recover:Blind",
@@ -104,6 +111,7 @@ DETECTORS = {
     "markers": "seamark.sim.detectors.markers:DETECTOR",
     "orb": "seamark.sim.detectors.orb:DETECTOR",
 }
+BOX_DETECTORS = {"face": "seamark.sim.detectors.template:DETECTOR"}
 # Marks on the leaderboard: the first two do not look at the image. Nobody can submit them.
 REFERENCE_DETECTORS = {
     "nothing": "seamark.sim.detectors.references:NOTHING",

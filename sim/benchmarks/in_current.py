@@ -2,6 +2,7 @@
 
 from typing import Any, Generic, TypeVar
 
+from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import Water
@@ -38,13 +39,15 @@ class InCurrent(Generic[Settings]):
     def built_in(self, name: str, config: Settings) -> Program:
         """Return a built-in controller."""
         arm = config.chosen_arm()
-        return BuiltIn(name, config, arm_size(arm) if arm else None, task=self.task)
+        size = arm_size(arm) if arm else None
+        return BuiltIn(name, config, size, task=self.task, searches=config.searches())
 
     def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
         optics = program_optics(config)
         images = {camera: (each.height, each.width) for camera, each in optics.items()}
-        return {"role": "controller"} | layout(config.vehicle, config.chosen_arm(), images)
+        packed = layout(config.vehicle, config.chosen_arm(), images, search=config.searches())
+        return {"role": "controller"} | packed
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
         """Return the conditions of a trial: nominal, unless overridden."""
@@ -80,8 +83,12 @@ class InCurrent(Generic[Settings]):
         """Return the target, if it is not that of the settings."""
         return None
 
-    def workpiece(self, config: Settings, *, seed: int, trial: int) -> Workpiece | None:
-        """Return what the arm works on; nothing, unless overridden."""
+    def workpiece(self, config: Settings, *, seed: int, trial: int, level: int) -> Workpiece | None:
+        """Return what the arm works on in a level; nothing, unless overridden."""
+        return None
+
+    def bottom(self, config: Settings, *, seed: int, trial: int, level: int) -> Tiles | None:
+        """Return a painted seabed for a camera beside an arm, if it is not the plain one."""
         return None
 
     def water(self, config: Settings, *, seed: int, trial: int) -> Water:
@@ -116,7 +123,8 @@ class InCurrent(Generic[Settings]):
             trial=drawn,
             tool_m=self.tool_m(here),
             target=self.target(config, seed=seed, trial=trial),
-            workpiece=self.workpiece(config, seed=seed, trial=trial),
+            workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
+            bottom=self.bottom(config, seed=seed, trial=trial, level=level),
             encoder_bias=self.encoder_bias(config, seed=seed, trial=trial),
         )
         return conditions, random
@@ -129,7 +137,8 @@ class InCurrent(Generic[Settings]):
             self.water(here, seed=seed, trial=trial),
             noise_seed=draw_noise_seed(streams(seed, trial, level)),
             target=self.target(config, seed=seed, trial=trial),
-            workpiece=self.workpiece(config, seed=seed, trial=trial),
+            workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
+            bottom=self.bottom(config, seed=seed, trial=trial, level=level),
         )
 
     def first_camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:

@@ -48,6 +48,12 @@ ARM_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("wrist_torque", 3, "N m", "torque of the arm on its hand, axes of the force sensor"),
     ("touch", PER_FEELER, "", "1 for each part of the hand that touches something, else 0"),
 )
+# What follows where the target has to be found first.
+SEARCH_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    ("told", 2, "m", "about where the target is: north and east of where the vehicle started"),
+    ("confidence", 0, "", "by the detector, that what the tracker has is the target; 0 to 1"),
+)
+SEARCH_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in SEARCH_FIELDS)
 # What follows where a program is given images (`Observation.images`).
 IMAGE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("image_t", 0, "s", "simulated time at which the newest images were taken"),
@@ -74,10 +80,12 @@ def arm_size(arm: Linkage) -> ArmSize:
     return ArmSize(len(arm.motors()), len(arm.outer))
 
 
-def _further(arm: ArmSize | None, *, images: bool) -> Iterator[tuple[str, int]]:
+def _further(arm: ArmSize | None, *, images: bool, search: bool) -> Iterator[tuple[str, int]]:
     """Yield name and count of the fields that follow those of every vehicle."""
     for name, of, _unit, _meaning in ARM_FIELDS if arm else ():
         yield name, arm.count(of) if arm else 0
+    for name, count, _unit, _meaning in SEARCH_FIELDS if search else ():
+        yield name, count
     for name, count, _unit, _meaning in IMAGE_FIELDS if images else ():
         yield name, count
 
@@ -86,17 +94,21 @@ def layout(
     vehicle: str,
     arm: Linkage | None = None,
     images: Mapping[str, tuple[int, int]] | None = None,
+    *,
+    search: bool = False,
 ) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values.
 
-    `images` are the cameras whose images a program is given, with height and width [px].
+    `images` are the cameras whose images a program is given, with height and width [px]; `search`
+    is whether the target has to be found first.
     """
     thrusters = len(load(vehicle).thrusters)
     fields = [
         [name, thrusters if count == PER_THRUSTER else count]
         for name, count, _unit, _meaning in FIELDS
     ]
-    fields += map(list, _further(None if arm is None else arm_size(arm), images=bool(images)))
+    size = None if arm is None else arm_size(arm)
+    fields += map(list, _further(size, images=bool(images), search=search))
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
     if arm is not None:
         packed |= {"command": [*COMMAND, *arm.motors()], "joint_limits": joint_limits(arm)}
@@ -123,11 +135,11 @@ STARTS = _starts()  # name -> index of its first number
 
 
 @cache
-def _positions(arm: ArmSize | None, *, images: bool) -> dict[str, int | slice]:
+def _positions(arm: ArmSize | None, *, images: bool, search: bool) -> dict[str, int | slice]:
     """Return name -> index of a single number, or slice of a vector; further ones from the end."""
     after = 0
     further: dict[str, int | slice] = {}
-    for name, count in reversed([*_further(arm, images=images)]):
+    for name, count in reversed([*_further(arm, images=images, search=search)]):
         further[name] = slice(-after - count, -after or None) if count else -after - 1
         after += count or 1
     ends = {PER_THRUSTER: -after or None}
@@ -139,10 +151,10 @@ def _positions(arm: ArmSize | None, *, images: bool) -> dict[str, int | slice]:
 
 
 def empty(
-    thrusters: int, arm: ArmSize | None = None, *, images: bool = False
+    thrusters: int, arm: ArmSize | None = None, *, images: bool = False, search: bool = False
 ) -> NDArray[np.float64]:
     """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
-    more = sum(count or 1 for _name, count in _further(arm, images=images))
+    more = sum(count or 1 for _name, count in _further(arm, images=images, search=search))
     return np.zeros(STARTS["thrust"] + thrusters + more)
 
 
@@ -161,8 +173,10 @@ class Observation(Mapping[str, Any]):
         values: NDArray[np.float64],
         arm: ArmSize | None = None,
         images: Images | None = None,
+        *,
+        search: bool = False,
     ) -> None:
-        self._positions = _positions(arm, images=images is not None)
+        self._positions = _positions(arm, images=images is not None, search=search)
         self._images = images
         self._numbers = values.copy()
         self._numbers.flags.writeable = False

@@ -9,7 +9,7 @@ from pkgutil import resolve_name
 
 from seamark.sim.detectors.declaration import DetectorDeclaration
 from seamark.sim.detectors.interface import MOST, Corners, Detection, Detector, Image
-from seamark.sim.registry import DETECTORS, REFERENCE_DETECTORS
+from seamark.sim.registry import BOX_DETECTORS, DETECTORS, REFERENCE_DETECTORS
 from seamark.sim.trackers.declaration import Errors, OptionValues
 
 __all__ = [
@@ -35,13 +35,15 @@ def declaration(name: str) -> DetectorDeclaration:
     KeyError
         If there is none of that name.
     """
-    declared: DetectorDeclaration = resolve_name((DETECTORS | REFERENCE_DETECTORS)[name])
+    declared: DetectorDeclaration = resolve_name(
+        (DETECTORS | REFERENCE_DETECTORS | BOX_DETECTORS)[name]
+    )
     return declared
 
 
 def option_names(name: str) -> tuple[str, ...]:
     """Return the names of a detector's options; unknown detectors have none."""
-    return declaration(name).option_names if name in DETECTORS else ()
+    return declaration(name).option_names if name in DETECTORS | BOX_DETECTORS else ()
 
 
 def option_errors(name: str, values: OptionValues) -> Errors:
@@ -64,7 +66,7 @@ def make(name: str, **options: object) -> Detector:
     ValueError
         If the name or an option is not supported; the text says why.
     """
-    if name not in DETECTORS | REFERENCE_DETECTORS:
+    if name not in DETECTORS | REFERENCE_DETECTORS | BOX_DETECTORS:
         raise ValueError(f"detector {name!r} must be one of {', '.join(DETECTORS)}")
     declared = declaration(name)
     if unknown := sorted(set(options) - set(declared.option_names)):

@@ -11,7 +11,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import COMMAND, empty
+from seamark.sim.control.observation import COMMAND, SEARCH_NUMBERS, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
@@ -31,6 +31,7 @@ from seamark.sim.engine.program import (
     ImageProgram,
     Program,
 )
+from seamark.sim.engine.search_in_loop import SearchInLoop, SearchReport
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder, width_for
@@ -84,12 +85,18 @@ class ClosedLoop:
         self._contact_n = 0.0
         self._pose = np.zeros(6)
         size, cameras = world.arm.size if world.arm else None, config.cameras_of_program()
-        self.observation = empty(self._thrusters, size, images=bool(cameras))
+        searches = config.searches()
+        self.observation = empty(self._thrusters, size, images=bool(cameras), search=searches)
         of_arm = slice(len(empty(self._thrusters)), len(empty(self._thrusters, size)))
         self._arm = None
         if world.arm is not None:
             seen = self.observation[of_arm]
             self._arm = ArmInLoop(world.arm, seen, self._seen.corners)
+        self._search = None
+        if isinstance(world.tracking, SearchInLoop):
+            seen = self.observation[of_arm.stop : of_arm.stop + SEARCH_NUMBERS]
+            late = world.conditions.camera_delay_steps
+            self._search = SearchReport(world.tracking, seen, told_m=world.told_m, late=late)
         self.images = ImagesInLoop(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
@@ -126,7 +133,8 @@ class ClosedLoop:
         """Return how many columns its rows have."""
         arm = self._world.arm
         work = arm is not None and len(arm.plant.work) > 0
-        return width_for(self._thrusters, arm=arm is not None, work=work)
+        search = self._search is not None
+        return width_for(self._thrusters, arm=arm is not None, work=work, search=search)
 
     def close(self) -> None:
         """Release what the world holds."""
@@ -226,6 +234,8 @@ class ClosedLoop:
         )
         if self._arm is not None:
             self._arm.measure(step, row)
+        if self._search is not None:
+            self._search.measure(row)
 
     def _image(self) -> NDArray[np.uint8]:
         """Return the image that the station keeper has now, in blue, green, red."""

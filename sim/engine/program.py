@@ -98,15 +98,24 @@ class BuiltIn:
     """
 
     def __init__(
-        self, name: str, config: Configuration, arm: ArmSize | None = None, *, task: str = ""
+        self,
+        name: str,
+        config: Configuration,
+        arm: ArmSize | None = None,
+        *,
+        task: str = "",
+        searches: bool = False,
     ) -> None:
-        """Load a controller; `task` is what it uses the arm for."""
+        """Load a controller; `task` is what it uses the arm for.
+
+        `searches` is whether it is told where the target is to be found.
+        """
         controller = resolve_name(registry.controller_path(name, task))
         self.controller: Controller = controller(config.for_program())
         reference = name in registry.reference_controllers(task)
         sees = reference and isinstance(self.controller, Oracle)
         self.oracle: Oracle | None = self.controller if sees else None
-        self._arm = arm
+        self._arm, self._searches = arm, searches
         self._images: Images | None = None
 
     def reset(self, level: Mapping[str, float | int]) -> None:
@@ -119,5 +128,5 @@ class BuiltIn:
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Return the controller's command as floats: four, and perhaps the speeds of joints."""
-        observation = Observation(values, self._arm, self._images)
+        observation = Observation(values, self._arm, self._images, search=self._searches)
         return tuple(map(float, self.controller.step(observation)))

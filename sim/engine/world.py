@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.arm_camera import ON_ARM, ArmCamera
+from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import MOUNT_M, Optics
@@ -15,7 +16,9 @@ from seamark.sim.camera.water import JERLOV, Water
 from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, ArmSize, arm_size
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
+from seamark.sim.detectors import Detector
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
+from seamark.sim.engine.search_in_loop import SearchInLoop
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
@@ -39,6 +42,7 @@ from seamark.sim.sensors.depth import DepthGauge
 from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.experiment import ExperimentSettings
+from seamark.sim.settings.search import SearchSettings
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
 from seamark.sim.vehicles.linkage import Linkage
@@ -86,6 +90,8 @@ class Conditions:
     tool_m: tuple[float, float] | None = None
     target: Target | None = None  # instead of the one of the settings
     workpiece: Workpiece | None = None  # what an arm works on; its face is the target
+    bottom: Tiles | None = None  # a painted seabed instead of the plain one
+    told_error_m: tuple[float, float] = (0.0, 0.0)  # north, east, of where the target is said to be
     encoder_bias: tuple[float, ...] = (0.0,)  # [rad] of each joint's, or of all
 
 
@@ -99,6 +105,7 @@ class Craft:
     conditions: TrialConditions
     tool_m: tuple[float, float] | None
     target: Target
+    told_m: NDArray[np.float64]  # (2,) north and east of the start: where the target is said to be
     optics: Optics
     plant: Plant
     sensors: Sensors
@@ -154,10 +161,12 @@ def build_camera(
     noise_seed: int,
     target: Target | None = None,
     workpiece: Workpiece | None = None,
+    bottom: Tiles | None = None,
 ) -> Camera:
     """Return the camera above the target: the part of a world that renders images.
 
-    `target` is used instead of that of the settings; `workpiece` is what the arm works on.
+    `target` is used instead of that of the settings; `workpiece` is what the arm works on, and
+    `bottom` the seabed that a camera beside an arm sees, if it is not the plain one.
     """
     configured, optics = target_and_optics(config)
     target = target or configured
@@ -171,6 +180,7 @@ def build_camera(
         workpiece=workpiece,
         noise_seed=noise_seed,
         effects=effects,
+        bottom=bottom,
     )
 
 
@@ -204,6 +214,7 @@ def build_world(
     random: Streams,
     *,
     tracker: Tracker | None = None,
+    detector: Detector | None = None,
 ) -> World:
     """Return the world of one level, with the vehicle at its start.
 
@@ -211,6 +222,8 @@ def build_world(
     ----------
     tracker
         Used instead of the configured one.
+    detector
+        Likewise, where the target has to be found first.
     """
     craft = build_craft(config, conditions, random)
     noise_seed = draw_noise_seed(random)
@@ -222,11 +235,15 @@ def build_world(
             noise_seed=noise_seed,
             target=conditions.target,
             workpiece=conditions.workpiece,
+            bottom=conditions.bottom,
         )
 
     camera = camera_in(conditions.water)
     reference = None if conditions.reference is None else camera_in(conditions.reference)
-    tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
+    if isinstance(config, SearchSettings):
+        tracking: TrackerInLoop = SearchInLoop(camera, config, tracker=tracker, detector=detector)
+    else:
+        tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
     parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
     return World(**parts, camera=camera, tracking=tracking)
 
@@ -252,6 +269,7 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
         conditions=trial,
         tool_m=conditions.tool_m,
         target=target,
+        told_m=target.top_centre()[:2] - start[:2] + conditions.told_error_m,
         optics=optics,
         plant=plant,
         sensors=_sensors(config, trial, random),

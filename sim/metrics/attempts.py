@@ -29,6 +29,11 @@ class StagedAttempt(Attempt):
         super().__init__(rows, dt)
         self.touched = self.column("work_arm_n") > TOUCH_N
 
+    def reached(self, name: str) -> bool:
+        """Return whether the stage of this name was reached."""
+        number = [stage.name for stage in self.stages].index(name)
+        return self.progress.reached(number)
+
     def reach_in_order(self, goals: Iterable[tuple[Flags, float]]) -> list[int]:
         """Return the step at which each stage was reached, as far as they were.
 
@@ -81,7 +86,8 @@ class StagedAttempt(Attempt):
         return thrusts(self.rows)
 
 
-def _stage(name: str, label: str, number: int) -> LevelMetric[StagedAttempt]:
+def stage_metric(name: str, label: str) -> LevelMetric[StagedAttempt]:
+    """Return whether the stage of this name was reached."""
     return LevelMetric(
         name=name,
         label=label,
@@ -89,36 +95,34 @@ def _stage(name: str, label: str, number: int) -> LevelMetric[StagedAttempt]:
         better="higher",
         meaning="1 if this stage was reached",
         formula="1 or 0",
-        compute=lambda attempt: float(attempt.progress.reached(number % len(attempt.stages))),
+        compute=lambda attempt: float(attempt.reached(name)),
     )
 
 
 def stage_metrics(stages: Sequence[Stage]) -> tuple[LevelMetric[Any], ...]:
     """Return for each stage between the touch and the last whether it was reached."""
     return tuple(
-        _stage(stage.name, stage.label, number)
+        stage_metric(stage.name, stage.label)
         for number, stage in enumerate(stages)
         if _TOUCHED < number < len(stages) - 1
     )
 
 
 _TOUCHED = 1  # number of the stage
-START: tuple[LevelMetric[Any], ...] = (
-    LevelMetric(
-        name="credit",
-        label="Credit",
-        unit="",
-        better="higher",
-        meaning="of the last stage that was reached, and a part of the next one's for a part of "
-        "the way; half of it after a strike",
-        formula="see the benchmark's stages",
-        compute=lambda attempt: attempt.progress.credit,
-    ),
-    _stage("reached", "Reached the handle", 0),
-    _stage("touched", "Touched it", _TOUCHED),
+CREDIT: LevelMetric[Any] = LevelMetric(
+    name="credit",
+    label="Credit",
+    unit="",
+    better="higher",
+    meaning="of the last stage that was reached, and a part of the next one's for a part of "
+    "the way; half of it after a strike",
+    formula="see the benchmark's stages",
+    compute=lambda attempt: attempt.progress.credit,
 )
+REACHED = stage_metric("reached", "Reached the handle")
+START: tuple[LevelMetric[Any], ...] = (CREDIT, REACHED, stage_metric("touched", "Touched it"))
 END: tuple[LevelMetric[Any], ...] = (
-    _stage("completed", "Completed", -1),
+    stage_metric("completed", "Completed"),
     LevelMetric(
         name="time_s",
         label="Time to completion",

@@ -11,11 +11,13 @@ from seamark.sim.metrics.attempts import (
     START,
     STRIKE_N,
     STRUCK,
+    TOUCH_N,
     StagedAttempt,
     stage_metrics,
 )
 from seamark.sim.metrics.metric import MetricGroup
 from seamark.sim.metrics.stages import Progress, Stage, longest_run
+from seamark.sim.numerics.arrays import Flags
 from seamark.sim.recording.telemetry import Rows
 
 LIFT_M = 0.5  # [m] E: clear of the seabed, as of a hold-down before a vehicle leaves
@@ -31,17 +33,38 @@ STAGES = (
 )
 
 
-class Recovery(StagedAttempt):
+class Carrying(StagedAttempt):
+    """The rows of a level in which a box is to be carried."""
+
+    def __init__(self, rows: Rows, dt: float) -> None:
+        super().__init__(rows, dt)
+        self.carried = self.is_carried("work")
+        depth = self.column("workpiece_z")
+        self.lift_m = depth[0] - depth
+
+    def is_carried(self, what: str) -> Flags:
+        """Return whether nothing but the arm touches a thing, (k,): "work", or another one."""
+        arm, hull, rest = (self.column(f"{what}_{who}_n") for who in ("arm", "hull", "rest"))
+        flags: Flags = (arm > TOUCH_N) & (hull == 0.0) & (rest == 0.0)
+        return flags
+
+    def struck(self, taken: int | None) -> bool:
+        """Return whether the hull struck something, or the arm the box before it was carried.
+
+        `taken` is the step by which it had been carried for `FREE_S`; None: it was not.
+        """
+        before = len(self.rows) if taken is None else taken - self.steps(FREE_S) + 1
+        blow = float(self.column("work_push_n")[:before].max(initial=0.0))
+        return max(blow, self.hull_peak_n) > STRIKE_N
+
+
+class Recovery(Carrying):
     """The rows of a level in which a box is to be recovered."""
 
     stages = STAGES
 
     def __init__(self, rows: Rows, dt: float) -> None:
         super().__init__(rows, dt)
-        hull, rest = (self.column(f"work_{who}_n") for who in ("hull", "rest"))
-        self.carried = self.touched & (hull == 0.0) & (rest == 0.0)
-        depth = self.column("workpiece_z")
-        self.lift_m = depth[0] - depth
         self.progress = self._progress()
 
     def _progress(self) -> Progress:
@@ -60,14 +83,8 @@ class Recovery(StagedAttempt):
             # By the time that it counts as lifted, it has been held for `FREE_S`.
             share = min(longest_run(high, reached[2]) / self.steps(HOLD_S), 1.0)
             credit += share * (STAGES[4].credit - STAGES[3].credit)
-        return Progress(tuple(reached), credit * (STRUCK if self.struck(reached) else 1.0))
-
-    def struck(self, reached: list[int]) -> bool:
-        """Return whether the hull struck something, or the arm the box before it was carried."""
-        carried = len(reached) > 2
-        before = reached[2] - self.steps(FREE_S) + 1 if carried else len(self.rows)
-        blow = float(self.column("work_push_n")[:before].max(initial=0.0))
-        return max(blow, self.hull_peak_n) > STRIKE_N
+        struck = self.struck(reached[2] if len(reached) > 2 else None)
+        return Progress(tuple(reached), credit * (STRUCK if struck else 1.0))
 
 
 def reached(rows: Rows, dt: float) -> tuple[int, ...]:

@@ -43,6 +43,7 @@ class Streams:
     trial_calibration: np.random.Generator
     trial_water: np.random.Generator
     things: np.random.Generator
+    search: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

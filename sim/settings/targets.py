@@ -29,6 +29,8 @@ TARGETS: dict[str, TargetShape] = {
     "square": TargetShape("Square box with bolts", 0.25, 0.25, _HEIGHT_M, True),
 }
 
+RECOVERED_BOX = TargetShape("Black box with a handle", 0.3, 0.2, 0.2, True)  # as its file has it
+
 LETTERS, SAND = "letters", "sand"  # drawn by the camera itself; the others are pictures
 PICTURES = {
     "mosaic": "Painted: mosaic",

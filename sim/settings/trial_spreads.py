@@ -216,7 +216,7 @@ class TrialSpreadSettings(ExperimentSettings):
         half_view = 0.5 * metres * min(self.camera_width_px, self.camera_height_px)
         most = (half_view - 0.5 * math.hypot(box.length_m, box.width_m)) / math.sqrt(2.0)
         errors = super().cross_field_errors()
-        if self.start_offset_m > max(most, 0.0):
+        if self.start_offset_m > max(most, 0.0) and not self.searches():
             errors["start_offset_m"] = (
                 f"start_offset_m (Start offset) must be at most {max(most, 0.0):.2f} m with this "
                 f"camera and altitude, not {self.start_offset_m:g} m: the target would be out of "

@@ -32,7 +32,9 @@ class Connect(Intervention[ConnectConfiguration]):
         """Return the panel."""
         return scene.target(self._connector(config, seed, trial))
 
-    def workpiece(self, config: ConnectConfiguration, *, seed: int, trial: int) -> Workpiece:
+    def workpiece(
+        self, config: ConnectConfiguration, *, seed: int, trial: int, level: int
+    ) -> Workpiece:
         """Return the connector beside its receptacle."""
         return scene.workpiece(self._connector(config, seed, trial))
 

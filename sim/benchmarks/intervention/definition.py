@@ -54,12 +54,16 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     reference_built_in: Mapping[str, str],
     scale: tuple[float, float],
     notes: Mapping[str, str] = MappingProxyType({}),
+    parts: tuple[str, ...] = (),
+    charts: tuple[Chart, ...] = (),
+    groups: tuple[str, ...] = (),
 ) -> Benchmark:
     """Return a benchmark of programs that move an arm; its folder has the experiment.
 
     Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
     the credit first, and `group` those of them that no other intervention has. `scale` goes from
-    the score of doing nothing to that of the oracle. `notes` are those of baselines.
+    the score of doing nothing to that of the oracle. `notes` are those of baselines, `parts` the
+    roles of further programs, `charts` and `groups` those that only it has.
     """
     credit, *rest = metrics
     return Benchmark(
@@ -69,6 +73,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         question=question,
         participants="programs",
         role="controller",
+        parts=parts,
         moves_arm=True,
         built_in=built_in,
         reference_built_in=reference_built_in,
@@ -77,7 +82,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         scale=scale,
         score_bar_max=max(configuration.model_fields["levels"].default),
         level_held_unit="m/s",
-        charts=CHARTS,
+        charts=(*CHARTS, *charts),
         tables=(Table("Each level", (*metrics, HELD)),),
         key_metrics=(credit,),
         board_metrics=tuple(metric for metric in rest if metric.unit),
@@ -88,7 +93,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
             for key, label in {**reference_built_in, **built_in}.items()
         },
         configuration=configuration,
-        groups=GROUPS,
+        groups=(*GROUPS[:4], *groups, *GROUPS[4:]),
         starting_points={
             "still-water": StartingPoint(
                 "Still water", "One level without a current, to begin with.", {"levels": (0.0,)}

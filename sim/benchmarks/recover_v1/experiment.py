@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+from seamark.sim.benchmarks.intervention import box
 from seamark.sim.benchmarks.intervention.experiment import Intervention
-from seamark.sim.benchmarks.recover_v1 import scene
 from seamark.sim.benchmarks.recover_v1.settings import RecoverConfiguration
 from seamark.sim.camera.target import Target
 from seamark.sim.metrics import recovery
@@ -30,14 +30,16 @@ class Recover(Intervention[RecoverConfiguration]):
 
     def target(self, config: RecoverConfiguration, *, seed: int, trial: int) -> Target:
         """Return where the box is at the start."""
-        return scene.target(self._box(config, seed, trial))
+        return box.target(self._box(config, seed, trial))
 
-    def workpiece(self, config: RecoverConfiguration, *, seed: int, trial: int) -> Workpiece:
+    def workpiece(
+        self, config: RecoverConfiguration, *, seed: int, trial: int, level: int
+    ) -> Workpiece:
         """Return the box."""
-        return scene.workpiece(self._box(config, seed, trial))
+        return box.workpiece(self._box(config, seed, trial))
 
-    def _box(self, config: RecoverConfiguration, seed: int, trial: int) -> scene.BoxDraw:
-        return scene.draw_box(config, streams(seed, trial, 0))
+    def _box(self, config: RecoverConfiguration, seed: int, trial: int) -> box.BoxDraw:
+        return box.draw_box(config, streams(seed, trial, 0))
 
 
 EXPERIMENT = Recover(recovery.METRICS)

@@ -7,9 +7,7 @@ from seamark.sim.metrics.recovery import METRICS
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.intervention import ARMED, InterventionSettings
 from seamark.sim.settings.setting import override
-from seamark.sim.settings.targets import TargetShape
-
-SHAPE = TargetShape("Black box with a handle", 0.3, 0.2, 0.2, True)  # as its file has it
+from seamark.sim.settings.targets import RECOVERED_BOX, TargetShape
 
 
 class RecoverConfiguration(InterventionSettings):
@@ -33,4 +31,4 @@ class RecoverConfiguration(InterventionSettings):
 
     def target_shape(self) -> TargetShape:
         """Return the box."""
-        return SHAPE
+        return RECOVERED_BOX

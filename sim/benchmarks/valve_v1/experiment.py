@@ -30,7 +30,9 @@ class Valve(Intervention[ValveConfiguration]):
         """Return the panel."""
         return scene.target(self._valve(config, seed, trial))
 
-    def workpiece(self, config: ValveConfiguration, *, seed: int, trial: int) -> Workpiece:
+    def workpiece(
+        self, config: ValveConfiguration, *, seed: int, trial: int, level: int
+    ) -> Workpiece:
         """Return the valve on its panel."""
         return scene.workpiece(self._valve(config, seed, trial))
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from seamark.sim.benchmarks.intervention.box import GRIP_M, RAISED_M, BoxDraw, workpiece
 from seamark.sim.benchmarks.intervention.tilt import Tilt
-from seamark.sim.benchmarks.recover_v1.scene import GRIP_M, RAISED_M, BoxDraw, workpiece
 from seamark.sim.multibody.assembly import Mounting
 from seamark.sim.multibody.plant import ArmedPlant
 from seamark.sim.multibody.posture import Posture

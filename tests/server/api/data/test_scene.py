@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from seamark.server.pages.run.player_data import player_data
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.scene import vehicle_shape, work_shape
-from seamark.sim.benchmarks.recover_v1.scene import RAISED_M, BoxDraw, workpiece
+from seamark.sim.benchmarks.intervention.box import RAISED_M, BoxDraw, workpiece
 from seamark.sim.camera.seabed import TILE, texels
 from seamark.sim.metrics import recovery
 from seamark.sim.multibody.assembly import Mounting

@@ -1,0 +1,1 @@
+"""mission-v1: search a seabed for the right box, recover it and bring it back."""

@@ -1,0 +1,31 @@
+"""mission-v1: which programs find, recognise and recover a box in current and turbid water."""
+
+from seamark.sim.benchmarks.benchmark import Chart, Stages
+from seamark.sim.benchmarks.intervention.definition import intervention_benchmark
+from seamark.sim.benchmarks.mission_v1.settings import MissionConfiguration
+from seamark.sim.metrics import mission
+from seamark.sim.settings.search import GROUP
+
+BENCHMARK = intervention_benchmark(
+    name="mission-v1",
+    title="Search, recognise and recover",
+    summary=(
+        "Search a seabed for the right box among decoys, in currents and turbid water, recover it "
+        "and bring it back to the start."
+    ),
+    question="Which programs find, recognise and recover a box in the strongest current?",
+    configuration=MissionConfiguration,
+    metrics=mission.METRICS,
+    group=mission.GROUP,
+    stages=Stages(mission.STAGES, mission.reached),
+    built_in={
+        "chain": "Built-in chain: search, recognise, recover, return",
+    },
+    reference_built_in={
+        "nothing": "Nothing: zero velocity, the arm at rest",
+    },
+    scale=(0.0, 0.3),
+    parts=("detector", "tracker"),
+    charts=(Chart("Confidence of the detector", "", ("confidence", "found_confidence")),),
+    groups=("Detector", GROUP),
+)
