@@ -111,12 +111,16 @@ DETECTORS = {
     "markers": "seamark.sim.detectors.markers:DETECTOR",
     "orb": "seamark.sim.detectors.orb:DETECTOR",
 }
-BOX_DETECTORS = {"face": "seamark.sim.detectors.template:DETECTOR"}
 # Marks on the leaderboard: the first two do not look at the image. Nobody can submit them.
 REFERENCE_DETECTORS = {
     "nothing": "seamark.sim.detectors.references:NOTHING",
     "random": "seamark.sim.detectors.references:RANDOM",
     "network": "seamark.sim.detectors.network:NETWORK",
+}
+# They find lettered boxes in the grey image of a vehicle that searches for one.
+BOX_DETECTORS = {
+    "face": "seamark.sim.detectors.faces:FACE",
+    "outline": "seamark.sim.detectors.faces:OUTLINE",
 }
 
 
@@ -154,6 +158,6 @@ def load_all() -> None:
     for task in ("", *ARM_CONTROLLERS):
         for path in (*controllers(task).values(), *reference_controllers(task).values()):
             resolve_name(path)
-    for entries in (BENCHMARKS, TRACKERS, DETECTORS, REFERENCE_DETECTORS):
+    for entries in (BENCHMARKS, TRACKERS, DETECTORS, REFERENCE_DETECTORS, BOX_DETECTORS):
         for path in entries.values():
             resolve_name(path).load()

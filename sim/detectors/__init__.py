@@ -26,18 +26,18 @@ __all__ = [
     "warm_up",
 ]
 
+_EVERY = DETECTORS | REFERENCE_DETECTORS | BOX_DETECTORS
+
 
 def declaration(name: str) -> DetectorDeclaration:
-    """Return the declaration of a detector, also of those that only marks on a leaderboard use.
+    """Return the declaration of a detector: of any kind, also of marks on a leaderboard.
 
     Raises
     ------
     KeyError
         If there is none of that name.
     """
-    declared: DetectorDeclaration = resolve_name(
-        (DETECTORS | REFERENCE_DETECTORS | BOX_DETECTORS)[name]
-    )
+    declared: DetectorDeclaration = resolve_name(_EVERY[name])
     return declared
 
 
@@ -57,7 +57,7 @@ def make(name: str, **options: object) -> Detector:
     Parameters
     ----------
     name : str
-        One of the registry's DETECTORS or REFERENCE_DETECTORS.
+        One of the registry's DETECTORS, REFERENCE_DETECTORS or BOX_DETECTORS.
     options
         Those that the detector declares; others are errors, so that none is silently ignored.
 
@@ -66,7 +66,7 @@ def make(name: str, **options: object) -> Detector:
     ValueError
         If the name or an option is not supported; the text says why.
     """
-    if name not in DETECTORS | REFERENCE_DETECTORS | BOX_DETECTORS:
+    if name not in _EVERY:
         raise ValueError(f"detector {name!r} must be one of {', '.join(DETECTORS)}")
     declared = declaration(name)
     if unknown := sorted(set(options) - set(declared.option_names)):

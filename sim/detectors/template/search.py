@@ -67,7 +67,7 @@ def prototypes(library: Library) -> tuple[Prototypes, ...]:
             mean = _mean(library, family)
             for turn in range(family.turns):
                 heading = PI * turn / family.turns * (0.5 if family.quarter else 1.0)
-                weights.append(_turned(mean, heading, side))
+                weights.append(turned(mean, heading, side))
                 headings.append(heading)
         low = min(family.lengths[0] for family in families)
         high = max(family.lengths[1] for family in families)
@@ -97,7 +97,7 @@ def _inside(proportion: float) -> NDArray[np.float64]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _turned(mean: NDArray[np.float64], heading: float, side: int) -> NDArray[np.float32]:
+def turned(mean: NDArray[np.float64], heading: float, side: int) -> NDArray[np.float32]:
     """Return the weights (1, side * side) of a prototype at a heading: their sum is 0."""
     greys, shares = np.zeros(side * side), np.zeros(side * side)
     cosine, sine = cos(heading), sin(heading)
