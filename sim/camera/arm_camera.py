@@ -68,7 +68,7 @@ class ArmCamera(Camera):
         `bottom` is a painted seabed instead of the plain one.
         """
         super().__init__(optics, water, target, noise_seed=noise_seed, effects=effects)
-        self.workpiece = workpiece
+        self.workpiece, self.bottom = workpiece, bottom
         vehicle, mounting = carried
         things = () if workpiece is None else workpiece.things
         assembly = assemble(vehicle, [mounting, *things], bottom=False)

@@ -13,6 +13,7 @@ from seamark.sim.settings.setting import setting
 
 TARGET_LABEL = "box"  # of `patterns.CLASSES`: the answers that count
 GROUP = "Search"
+LONGEST_PERIOD_S = 10.0  # from one image of the detector to the next
 detector_setting = partial(setting, group="Detector", role="solution")
 search_setting = partial(setting, group=GROUP, role="scenario")
 _DECLARED = declarations(BOX_DETECTORS, declaration)
@@ -43,7 +44,7 @@ class SearchSettings(ExperimentSettings):
         help="Time from one image that the detector gets to the next.",
         unit="s",
         low=0.05,
-        high=10,
+        high=LONGEST_PERIOD_S,
         tag="E",
         source="at 0.3 m/s the camera moves on by a twentieth of its view",
         advanced=True,

@@ -40,11 +40,16 @@ def scene(path: RunPath, query: SceneQuery) -> Response:
 
 @api.get("/runs/<int:run_id>/texture.jpg", responses=_JPEG)
 def texture(path: RunPath, query: TextureQuery) -> Response:
-    """Return the picture of the seabed (columns to the north) or of the target's top face."""
+    """Return the picture of the seabed (columns to the north) or of the target's top face.
+
+    The decoy's is that of the wrong box, where the right one has to be found.
+    """
     view = _view(path, query)
     image = scenes.texture(
         services().settings, view, trial=query.trial, level=query.level, part=query.part
     )
+    if image is None:
+        raise Problem("not-found", f"Run {view.id} has no decoy.")
     answer = Response(image, content_type="image/jpeg")
     answer.add_etag()
     return caching.conditional(answer)

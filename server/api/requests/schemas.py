@@ -144,7 +144,7 @@ class SceneQuery(Query):
 class TextureQuery(SceneQuery):
     """A surface of a scene."""
 
-    part: Literal["seabed", "target"] = Field("seabed", description="Which surface")
+    part: Literal["seabed", "target", "decoy"] = Field("seabed", description="Which surface")
 
 
 class DatasetQuery(Query):

@@ -28,7 +28,8 @@ from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
-from seamark.sim.recording.telemetry import INDEX, has_detections
+from seamark.sim.recording.telemetry import INDEX, SEARCH_INDEX, has_detections, has_search
+from seamark.sim.settings.search import LONGEST_PERIOD_S, TARGET_LABEL
 
 if TYPE_CHECKING:
     from seamark.sim.camera.camera import Camera
@@ -37,12 +38,15 @@ if TYPE_CHECKING:
 IMAGES_KEPT = 64  # of 60 KB
 GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
 RED, GREY, BLACK = (70, 70, 255), (190, 190, 190), (20, 20, 20)
+PINK = (230, 120, 255)
 _OF_OUTCOME = {"hit": GREEN, "false alarm": RED, "ignored": GREY}
 _ENLARGED = 2  # times, of images of 320 x 240: labels stay legible
 _TEXT_SCALE, _TEXT_MARGIN_PX = 0.4, 3
+_ANSWER_TEXT_SCALE = 0.7 / 640.0  # of a single answer, for each pixel of the image's width
 _CROSS_PX = 9  # half of the centre cross
 _SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
 _CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
+_ANSWER = slice(SEARCH_INDEX["found_x0"], SEARCH_INDEX["found_confidence"] + 1)
 # A camera has one set of buffers, so images are rendered one at a time; each takes milliseconds.
 _lock = threading.Lock()
 _warm = threading.Event()
@@ -55,7 +59,9 @@ Row = NDArray[np.float64]
 class Drawn:
     """What is drawn onto an image; with nothing it is the bare image."""
 
-    tracked: bool = True  # the outline that the tracker reported, green; the answers of a detector
+    # The outline that the tracker reported, green; the answers of a detector, where one looks for
+    # what the tracker then follows its last one, pink.
+    tracked: bool = True
     truth: bool = True  # the true outline, thin and amber; of a detector, those it missed
     on_arm: bool = False  # the image of the camera on the arm instead, in which nothing is drawn
 
@@ -161,20 +167,36 @@ def _replay(benchmark: str, config: str, seeds: TrialSeeds) -> "Replay":
 
 
 def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
-    """Return the last row of a trial up to time `t`, else its first; None without rows."""
+    """Return the last row of a trial up to time `t`, else its first; None without rows.
+
+    Where a detector looks for the target, it has the last answer.
+    """
     after = files.rows_until(trial, t + 1e-6)
     for at in (after - 1, after):  # before its first row: the first row
         rows = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
         if len(rows) and int(rows[0, INDEX["trial"]]) == trial:
             row: Row = rows[0]
-            return row
+            return _with_last_answer(files, row, at) if has_search(len(row)) else row
     return None
+
+
+def _with_last_answer(files: RunFiles, row: Row, at: int) -> Row:
+    """Return the row at a place with the answer to the image that the detector was given last."""
+    trial, since = int(row[INDEX["trial"]]), row[INDEX["t"]] - LONGEST_PERIOD_S
+    rows = files.rows(files.rows_until(trial, since), at + 1)
+    here = rows[:, INDEX["level"]] == row[INDEX["level"]]
+    looked = np.flatnonzero(here & (rows[:, SEARCH_INDEX["looked"]] == 1.0))
+    if not looked.size:
+        return row
+    answered = row.copy()
+    answered[_ANSWER] = rows[looked[-1], _ANSWER]
+    return answered
 
 
 def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     """Draw the image centre, the tracked outline and, thin on top, the true outline.
 
-    Of a row with detections, draw these instead.
+    Of a row with detections, draw these instead; of one of a search, also the answer.
     """
     if not (drawn.tracked or drawn.truth):
         return image
@@ -185,11 +207,29 @@ def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     height, width = image.shape[:2]
     middle = (width // 2, height // 2)
     cv2.drawMarker(image, middle, WHITE, cv2.MARKER_CROSS, 2 * _CROSS_PX, 1, cv2.LINE_AA)
+    answers = drawn.tracked and has_search(len(row))
+    if answers:
+        _outline(image, _answer_corners(row), PINK, 5)
     if drawn.tracked and row[INDEX["tracker_ok"]] == 1.0:
         _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 3)
     if drawn.truth:
         _outline(image, truth, AMBER, 1)
+    if answers:
+        _label_answer(image, row)
     return image
+
+
+def _answer_corners(row: Row) -> Row:
+    """Return the corners (4, 2) [px] of the answer in a row of a search; NaN without one."""
+    corners: Row = row[_ANSWER][:-1].reshape(4, 2)
+    return corners
+
+
+def _label_answer(image: Image, row: Row) -> None:
+    corners, confidence = _answer_corners(row), row[SEARCH_INDEX["found_confidence"]]
+    if np.isfinite(corners).all():
+        scale = _ANSWER_TEXT_SCALE * image.shape[1]
+        _label(image, f"{TARGET_LABEL} {confidence:.2f}", corners, PINK, scale=scale)
 
 
 def _with_detections(image: Image, row: Row, drawn: Drawn) -> Image:
@@ -216,19 +256,26 @@ def _enlarged(corners: Row) -> Row:
     return _ENLARGED * (corners + 0.5) - 0.5
 
 
-def _label(image: Image, text: str, corners: Row, colour: tuple[int, int, int]) -> None:
+def _label(
+    image: Image,
+    text: str,
+    corners: Row,
+    colour: tuple[int, int, int],
+    *,
+    scale: float = _TEXT_SCALE,
+) -> None:
     """Write a text on a bar of a colour above the corners, or as near as it is in the image."""
     import cv2  # noqa: PLC0415 - loads OpenCV
 
     font, margin = cv2.FONT_HERSHEY_SIMPLEX, _TEXT_MARGIN_PX
-    (width, height), below = cv2.getTextSize(text, font, _TEXT_SCALE, 1)
+    (width, height), below = cv2.getTextSize(text, font, scale, 1)
     width, height = width + 2 * margin, height + below + margin
     left, top = corners.min(axis=0).tolist()
     x = round(min(max(left, 0), image.shape[1] - width))
     y = round(min(max(top - height, 0), image.shape[0] - height))
     cv2.rectangle(image, (x, y), (x + width, y + height), colour, cv2.FILLED)
     at = (x + margin, y + height - below)
-    cv2.putText(image, text, at, font, _TEXT_SCALE, BLACK, 1, cv2.LINE_AA)
+    cv2.putText(image, text, at, font, scale, BLACK, 1, cv2.LINE_AA)
 
 
 def _outline(image: Image, corners: Row, colour: tuple[int, int, int], thickness: int) -> None:

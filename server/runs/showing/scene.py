@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from seamark.formats.jpeg import jpeg
 from seamark.server.programs import vehicles
 from seamark.server.runs.showing import camera_view
+from seamark.server.runs.showing.searches import search_of
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -23,13 +24,13 @@ from seamark.sim.vehicles.model import Place
 from seamark.sim.vehicles.solids import Solid
 
 if TYPE_CHECKING:
-    from seamark.sim.camera.bottom.bottom import Bottom
+    from seamark.sim.camera.bottom.painter import Tiles
     from seamark.sim.camera.camera import Camera
     from seamark.sim.multibody.assembly import Mounting
     from seamark.sim.multibody.workpiece import Workpiece
 
 TEXTURE_PX = 512  # side of the seabed's picture; a texel of it is 1 cm
-Part = Literal["seabed", "target"]
+Part = Literal["seabed", "target", "decoy"]
 Surface = NDArray[np.uint8]
 
 
@@ -43,23 +44,25 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     """Return vehicle, target, camera and water of a level, and what an arm works on, if it does.
 
     The vehicle is null if the camera moves alone, or if it was the user's own and is deleted. The
-    target is null above a painted bottom, which is another one in each level.
+    target is null above a painted bottom, which is another one in each level, if nothing but what
+    is painted there is looked for. Where an arm's work has to be found first, `search` says how.
     """
     config: Any = registry.benchmark(run.benchmark).restore(run.config)
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         target, optics, water = camera.target, camera.optics, camera.water
         effects, ground = camera.effects, camera.ground
-        work, painted = _workpiece(camera), _bottom(camera) is not None
+        work, painted = _workpiece(camera), _painted(camera) is not None
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
     with vehicles.lent_to(settings, run):
         known = load(str(name)) if is_known(name) else None
         shape = None if known is None else vehicle_shape(known, config.chosen_arm())
+        search = search_of(settings, run, target, optics, trial=trial, level=level)
     return {
         "vehicle": shape,
         "target": None
-        if painted
+        if painted and work is None
         else {
             "centre": target.origin().tolist(),
             "size": target.size_m,
@@ -80,7 +83,9 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
             "cone": effects.lamp_cone_rad,
             "forward": LAMP_FORWARD_M,
         },
-    } | ({} if work is None else {"workpiece": work_shape(work)})
+        **({} if work is None else {"workpiece": work_shape(work)}),
+        **({} if search is None else {"search": search}),
+    }
 
 
 def vehicle_shape(vehicle: Vehicle, arm: Linkage | None = None) -> dict[str, Any]:
@@ -147,7 +152,8 @@ def _workpiece(camera: "Camera") -> "Workpiece | None":
 def work_shape(work: "Workpiece") -> dict[str, Any]:
     """Return the things, of which the columns of the workpiece move one, and the face of that.
 
-    `face` is in the axes of a link of a thing, or of the world: corners as one reads its letters.
+    Those of the decoy move another one, where there is one. `face` is in the axes of a link of a
+    thing, or of the world: corners as one reads its letters.
     """
     numbers = {
         f"{thing.prefix}{link.name}": (number, index)
@@ -156,7 +162,7 @@ def work_shape(work: "Workpiece") -> dict[str, Any]:
     }
     link = work.face.link
     return {
-        "things": [_thing_shape(thing, work.link) for thing in work.things],
+        "things": [_thing_shape(thing, work) for thing in work.things],
         "face": {
             "link": None if link is None else numbers[link],
             "corners": work.corners().tolist(),
@@ -164,7 +170,7 @@ def work_shape(work: "Workpiece") -> dict[str, Any]:
     }
 
 
-def _thing_shape(thing: "Mounting", followed: str) -> dict[str, Any]:
+def _thing_shape(thing: "Mounting", work: "Workpiece") -> dict[str, Any]:
     names = [link.name for link in thing.linkage.links]
     return {
         **_place(thing.place),
@@ -172,7 +178,7 @@ def _thing_shape(thing: "Mounting", followed: str) -> dict[str, Any]:
             {
                 "parent": None if link.parent is None else names.index(link.parent),
                 **_place(link.joint.place),
-                "joint": _work_joint(link, followed.removeprefix(thing.prefix)),
+                "joint": _decoy_joint(link, thing, work) or _work_joint(link, thing, work.link),
                 "solids": _solids(link.solids),
             }
             for link in thing.linkage.links
@@ -180,11 +186,17 @@ def _thing_shape(thing: "Mounting", followed: str) -> dict[str, Any]:
     }
 
 
-def _work_joint(link: LinkData, followed: str) -> dict[str, Any] | None:
+def _decoy_joint(link: LinkData, thing: "Mounting", work: "Workpiece") -> dict[str, Any] | None:
+    """Return how a link moves with the columns of the decoy; None if it does not."""
+    is_decoy = f"{thing.prefix}{link.name}" in work.others
+    return {"kind": "free", "of": "decoy"} if is_decoy else None
+
+
+def _work_joint(link: LinkData, thing: "Mounting", followed: str) -> dict[str, Any] | None:
     """Return how a link moves with the columns of the workpiece; None if it stands."""
     joint = link.joint
     leader, ratio = joint.follows or (link.name, 1.0)
-    if leader != followed:
+    if f"{thing.prefix}{leader}" != followed:
         return None
     free = joint.kind == "free"
     return {"kind": joint.kind} | ({} if free else {"axis": joint.axis, "ratio": ratio})
@@ -204,20 +216,25 @@ def _joint(link: LinkData, motors: Sequence[str]) -> dict[str, Any] | None:
     return {"kind": joint.kind, "axis": joint.axis, **moved}
 
 
-def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:
+def texture(
+    settings: Settings, run: RunView, *, trial: int, level: int, part: Part
+) -> bytes | None:
     """Return the seabed's tile, columns to the north and rows to the east, or the target's top.
 
     A painted bottom is its tile with all that lies on it.
 
-    With a workpiece, that is what cameras see on the upper side of its box with letters.
+    With a workpiece, that is what cameras see on the upper side of its box with letters. The
+    decoy's is that of the box that looks like it; None without one.
     """
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
-        if part == "target":
+        if part != "seabed":
             work = _workpiece(camera)
-            lettered = None if work is None else _lettered(work)
-            return jpeg(_top_of(camera.target) if lettered is None else _letters_on(lettered))
-        ground, bottom = camera.ground, _bottom(camera)
-    return _seabed(ground) if bottom is None else jpeg(np.dstack([*bottom.tiles[::-1]]))
+            lettered = [] if work is None else _lettered(work, of_decoy=part == "decoy")
+            if lettered:
+                return jpeg(_letters_on(lettered[0]))
+            return None if part == "decoy" else jpeg(_top_of(camera.target))
+        ground, tiles = camera.ground, _painted(camera)
+    return _seabed(ground) if tiles is None else jpeg(np.dstack([*tiles[::-1]]))
 
 
 def _tile_m() -> float:
@@ -241,16 +258,26 @@ def _seabed(ground: str) -> bytes:
     return jpeg(small.astype(np.uint8))
 
 
-def _bottom(camera: "Camera") -> "Bottom | None":
-    """Return what is painted below this camera."""
+def _painted(camera: "Camera") -> "Tiles | None":
+    """Return the seabed that is painted below this camera."""
+    from seamark.sim.camera.arm_camera import ArmCamera  # noqa: PLC0415 - loads compiled code
     from seamark.sim.camera.bottom.camera import BottomCamera  # noqa: PLC0415 - loads OpenCV
 
-    return camera.bottom if isinstance(camera, BottomCamera) else None
+    if isinstance(camera, BottomCamera):
+        return camera.bottom.tiles
+    return camera.bottom if isinstance(camera, ArmCamera) else None
 
 
-def _lettered(work: "Workpiece") -> Solid | None:
-    solids = (one for thing in work.things for link in thing.linkage.links for one in link.solids)
-    return next((one for one in solids if one.lettered), None)
+def _lettered(work: "Workpiece", *, of_decoy: bool) -> list[Solid]:
+    """Return the solids with letters, of the box that looks like it or of all other things."""
+    return [
+        solid
+        for thing in work.things
+        for link in thing.linkage.links
+        if (f"{thing.prefix}{link.name}" in work.others) == of_decoy
+        for solid in link.solids
+        if solid.lettered
+    ]
 
 
 def _letters_on(solid: Solid) -> Surface:

@@ -119,8 +119,10 @@ export interface ArmShape extends Placed {
   force_sensor: ({ link: number } & Placed) | null;
 }
 
-/** `free`: the columns of the workpiece are its place in the world. */
-export type WorkJoint = { kind: "free" } | { kind: "revolute" | "prismatic"; axis: Triple; ratio: number };
+/** `free`: the columns of the workpiece, or of the decoy, are its place in the world. */
+export type WorkJoint =
+  | { kind: "free"; of?: "decoy" }
+  | { kind: "revolute" | "prismatic"; axis: Triple; ratio: number };
 
 export interface WorkLink extends Placed {
   parent: number | null;
@@ -169,11 +171,20 @@ export interface LightData {
   forward: number;
 }
 
+/** Where a vehicle begins to search and what it is told, north and east; `error`, `mark`: radii of circles. */
+export interface SearchData {
+  start: [number, number];
+  told: [number, number];
+  error: number;
+  mark: number;
+}
+
 /** scene.json: north, east, down; [m], [rad] */
 export interface SceneData {
   vehicle: VehicleShape | null;
   target: TargetShape | null; // null above a bottom on which many things lie
   workpiece?: WorkShape; // instead of the target
+  search?: SearchData; // of a workpiece that has to be found first
   seabed: { depth: number; tile: number; painted?: boolean }; // painted: another one in each level
   camera: Optics;
   water: WaterData;

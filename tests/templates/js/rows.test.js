@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { Rows, rowColumns, WINDOW_ROWS } from "../../../templates/static/js/player/rows.js";
+import { TRACK_COLUMNS } from "../../../templates/static/js/player/search_track.js";
 
 const END_S = 45;
 /** @type {URLSearchParams[]} */
@@ -38,6 +39,13 @@ test("columns are those that the player shows, of those that the run has", () =>
   const columns = ["t", "x", "thrust_3", "unknown", "tracker_ok"].map((name) => ({ name }));
 
   assert.deepEqual(rowColumns(columns), ["x", "thrust_3", "tracker_ok"]);
+});
+
+test("where the workpiece has to be found, all columns of the map of the search are read", () => {
+  const names = [...TRACK_COLUMNS, "found_x0", "decoy_u", "decoy_yaw", "workpiece_u"];
+  const read = rowColumns(names.map((name) => ({ name })));
+
+  assert.deepEqual(new Set(read), new Set([...TRACK_COLUMNS, "decoy_yaw"]));
 });
 
 test("of a workpiece, those columns are read that move it and its arrow", () => {

@@ -8,6 +8,11 @@ function tracker({ tracker_ok: ok, tracker_error: error }) {
   return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
 }
 
+/** @param {Row} row */
+function detector({ searching, confidence }) {
+  return searching === 1 ? "looks for the box" : number(100 * Number(confidence), 0, "% sure");
+}
+
 /**
  * Label, a column that it needs, text.
  * @type {[string, string, (row: Row) => string][]}
@@ -18,6 +23,7 @@ const SHOWN = [
   ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
   ["Tracker", "tracker_ok", tracker],
+  ["Detector", "searching", detector],
   ["Current", "current_x", (row) => current(row.current_x, row.current_y)],
   ["Depth", "z", (row) => number(row.z, 2, "m")],
   ["Heading", "yaw", (row) => heading(row.yaw)],

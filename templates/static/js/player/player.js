@@ -15,6 +15,7 @@ import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
 import { Rows, rowColumns } from "./rows.js";
 import { SceneBox } from "./scene_box.js";
+import { SearchMap } from "./search_map.js";
 import { StageStrip } from "./stage_strip.js";
 
 const TABLE_MS = 250;
@@ -45,6 +46,9 @@ export class Player {
     const stage = data.stages.length ? (/** @type {Row} */ { t }) => this.charts.stageAt(t) || "none yet" : null;
     this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns, stage);
     this.scene = new SceneBox(need(root, "[data-scene]", HTMLElement), { api: data.api }, this.memory);
+    const mapBox = maybe(root, "[data-search-map]", HTMLElement);
+    const scene = (/** @type {number} */ trial, /** @type {number} */ level) => this.scene.sceneOf(trial, level);
+    this.map = mapBox && new SearchMap(mapBox, { api: data.api, scene });
     const strip = maybe(root, "[data-stages]", HTMLElement);
     const onSeek = (/** @type {number} */ t) => this.playhead.seek(t);
     this.marks = new Marks(need(root, "[data-marks]", HTMLElement), need(root, "[data-mark-legend]", HTMLElement), {
@@ -53,7 +57,10 @@ export class Player {
       level: data.level_s,
       stages: strip && new StageStrip(strip, { labels: data.stages, duration: data.trial_s, onSeek }),
     });
-    this.marks.onChange = (moments) => this.charts.setMoments(moments);
+    this.marks.onChange = (moments) => {
+      this.charts.setMoments(moments);
+      this.map?.setMoments(moments);
+    };
     this.table = new ChartTable(need(root, "[data-chart-table]", HTMLDetailsElement), this.charts);
     const bar = need(root, "[data-bar]", HTMLElement);
     this.menu = new Menu(bar, this, {
@@ -128,6 +135,7 @@ export class Player {
     this.row = instant?.row ?? null;
     this.write();
     this.charts.mark(playhead.t);
+    this.map?.show(playhead, this.row);
     if (playhead.newest > 0) this.showCamera();
     if (instant)
       this.scene.show(playhead, instant, () =>
@@ -177,6 +185,7 @@ export class Player {
     if (trial !== this.playhead.trial || !rows.length) return;
     this.charts.append(columns, rows);
     this.rows.append(trial, columns, rows);
+    this.map?.append(trial, columns, rows);
     this.playhead.available(rows[rows.length - 1][columns.indexOf("t")]);
   }
 
@@ -192,12 +201,14 @@ export class Player {
     this.rows.clear();
     this.charts.clear();
     this.marks.clear();
+    this.map?.clear();
     this.playhead.newest = 0;
     this.playhead.moveTo(0);
   }
 
   async ended() {
     this.playhead.end();
-    await Promise.all([this.charts.load(), this.marks.load(this.playhead.trial)]);
+    const { trial } = this.playhead;
+    await Promise.all([this.charts.load(), this.marks.load(trial), this.map?.load(trial)]);
   }
 }

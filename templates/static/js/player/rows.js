@@ -14,6 +14,7 @@ const ALWAYS = [
 ];
 const NUMBERED = /^(thrust|joint|touch)_\d+$|^(wrist|work)_f[xyz]$/; // of thrusters and an arm
 const WORK = /^workpiece_(x|y|z|roll|pitch|yaw|joint)$|^tool_[xyz]$|^reach$|^work_(arm|push)_n$/;
+const SEARCH = /^(searching|confidence)$|^decoy_(x|y|z|roll|pitch|yaw)$|^(work|decoy)_(arm|hull|rest)_n$/;
 
 /**
  * The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
@@ -22,7 +23,8 @@ const WORK = /^workpiece_(x|y|z|roll|pitch|yaw|joint)$|^tool_[xyz]$|^reach$|^wor
  */
 export function rowColumns(columns) {
   const names = columns.map(({ name }) => name);
-  return names.filter((name) => [NUMBERED, WORK].some((kind) => kind.test(name)) || ALWAYS.includes(name));
+  const kinds = names.includes("searching") ? [NUMBERED, WORK, SEARCH] : [NUMBERED, WORK];
+  return names.filter((name) => kinds.some((kind) => kind.test(name)) || ALWAYS.includes(name));
 }
 
 /**

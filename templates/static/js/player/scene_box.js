@@ -165,7 +165,8 @@ export class SceneBox {
         (moment) =>
           moment && {
             pose: poseBetween(moment.instant),
-            work: typeof moment.instant.row.workpiece_x === "number" ? poseBetween(moment.instant, "workpiece_") : null,
+            work: poseOf(moment.instant, "workpiece_"),
+            decoy: poseOf(moment.instant, "decoy_"),
             row: moment.instant.row,
             trail: moment.trail(),
           },
@@ -185,8 +186,7 @@ export class SceneBox {
     const key = `${trial}:${level}`;
     if (this.sceneKey === key) return;
     this.sceneKey = key;
-    const query = `trial=${trial}&level=${level}`;
-    const scene = await this.fetchScene(this.data.api, query);
+    const scene = await this.sceneOf(trial, level);
     if (this.sceneKey !== key || !scene) return;
     this.waterKey = key;
     const bottom = scene.seabed.painted ? level : null;
@@ -195,7 +195,7 @@ export class SceneBox {
       view.setWater(scene.water, scene.light);
       return;
     }
-    const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, `trial=${trial}&level=0`)));
+    const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, queryOf(trial, 0))));
     if (this.sceneKey !== key) return;
     this.solid = solid;
     const vehicles = [scene, ...others].map((shown, index) => ({
@@ -204,10 +204,20 @@ export class SceneBox {
       work: shown?.workpiece,
     }));
     /** @type {(part: string) => string} */
-    const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
-    view.describe({ ...scene, vehicles }, { seabed: texture("seabed"), target: texture("target") });
+    const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${queryOf(trial, level)}`;
+    const [seabed, target, decoy] = ["seabed", "target", "decoy"].map(texture);
+    view.describe({ ...scene, vehicles }, { seabed, target, decoy });
     view.setMode(this.mode);
     this.setFog();
+  }
+
+  /**
+   * What stands in the water of a level; null if that could not be read.
+   * @param {number} trial
+   * @param {number} level
+   */
+  sceneOf(trial, level) {
+    return this.fetchScene(this.data.api, queryOf(trial, level));
   }
 
   /**
@@ -258,6 +268,19 @@ export class SceneBox {
     ].join(", ");
   }
 }
+
+/**
+ * @param {number} trial
+ * @param {number} level
+ */
+const queryOf = (trial, level) => `trial=${trial}&level=${level}`;
+
+/**
+ * The pose of a thing, null where a run has none.
+ * @param {Between} instant
+ * @param {string} of how the names of its columns begin
+ */
+const poseOf = (instant, of) => (typeof instant.row[`${of}x`] === "number" ? poseBetween(instant, of) : null);
 
 /**
  * Between two rows: positions linearly, angles along the shorter way; of: how the names of its columns begin.

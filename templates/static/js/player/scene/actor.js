@@ -11,7 +11,10 @@ import { Vehicle } from "./vehicle.js";
 const TRAIL_POINTS = 500;
 const TRAIL = 0xffe08a;
 
-/** @typedef {{pose: Pose, work: Pose | null, row: Row, trail: Row[]}} SceneMoment work: pose of what the arm moves */
+/**
+ * work: pose of what the arm moves; decoy: of what looks like it
+ * @typedef {{pose: Pose, work: Pose | null, decoy: Pose | null, row: Row, trail: Row[]}} SceneMoment
+ */
 
 export class Actor {
   /**

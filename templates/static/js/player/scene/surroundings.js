@@ -1,7 +1,7 @@
 // What surrounds the vehicle, in the world frame north, east, down: seabed, target, water.
 /**
  * @import { ColorRepresentation } from "three"
- * @import { SceneData, TargetShape, Triple } from "../../server_data.d.ts"
+ * @import { SceneData, SearchData, TargetShape, Triple } from "../../server_data.d.ts"
  * @import { Water } from "./water.js"
  */
 import * as THREE from "../../../vendor/three/three.min.js";
@@ -12,6 +12,10 @@ const PARTICLES = 260;
 const SPREAD = [0.8191725134, 0.6710436067, 0.5497004779];
 const CLOUD_M = 7; // side of the box that the drifting particles fill, around the vehicle
 const CURRENT_ARROW = 2; // [m] per m/s
+const MARK = 0x7ef0c0; // colour of where a box is to be brought
+const MARK_LINE_M = 0.04;
+const MARK_SIDES = 64;
+const ABOVE_M = 0.004; // of what is drawn on the seabed
 
 /**
  * @param {string} address
@@ -96,6 +100,27 @@ export function lettering(corners, address, ready, water) {
   top.setIndex([0, 1, 2, 0, 2, 3]);
   const material = new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide });
   return new THREE.Mesh(top, water.seen(material));
+}
+
+/**
+ * The circle on the seabed that the box is to be brought to, in colours that can be seen in any water.
+ * @param {SearchData} search
+ * @param {number} depth
+ */
+export function startMark({ start, mark }, depth) {
+  const points = Array.from({ length: MARK_SIDES + 1 }, (_, index) => {
+    const angle = (2 * Math.PI * index) / MARK_SIDES;
+    return [mark - MARK_LINE_M, mark].flatMap((radius) => [radius * Math.cos(angle), radius * Math.sin(angle), 0]);
+  });
+  const ring = new THREE.BufferGeometry();
+  ring.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points.flat()), 3));
+  ring.setIndex(
+    Array.from({ length: MARK_SIDES }, (_, index) => [0, 1, 3, 0, 3, 2].map((corner) => 2 * index + corner)).flat(),
+  );
+  const paint = new THREE.MeshBasicMaterial({ color: MARK, side: THREE.DoubleSide });
+  const mesh = new THREE.Mesh(ring, paint);
+  mesh.position.set(...start, depth - ABOVE_M);
+  return mesh;
 }
 
 export class CurrentArrow {

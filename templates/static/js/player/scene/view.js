@@ -17,7 +17,7 @@ import { Pace } from "./pace.js";
 import { Pointer } from "./pointer.js";
 import { Shadow } from "./shadow.js";
 import { aimAt, Sight } from "./sight.js";
-import { CurrentArrow, Particles, seabed, target } from "./surroundings.js";
+import { CurrentArrow, Particles, seabed, startMark, target } from "./surroundings.js";
 import { Water } from "./water.js";
 import { Work } from "./work.js";
 
@@ -113,9 +113,9 @@ export class SceneView {
 
   /**
    * description: {target, seabed, camera, water} of scene.json and `vehicles`: [{shape, colour}, ...], of which
-   * the first is followed; textures: addresses of the seabed's and the target's picture
+   * the first is followed; textures: addresses of the pictures of the seabed, the target and what looks like it
    * @param {Description} description
-   * @param {{seabed: string, target: string}} textures
+   * @param {{seabed: string, target: string, decoy: string}} textures
    */
   describe(description, textures) {
     this.description = description;
@@ -131,7 +131,8 @@ export class SceneView {
     this.water.clear();
     this.water.set(water, light);
     this.works = description.vehicles.map(({ work, colour }, index) => {
-      const options = { letters: textures.target, ready, water: this.water, colour, ghost: index > 0 };
+      const letters = { letters: textures.target, decoy: textures.decoy };
+      const options = { ...letters, ready, water: this.water, colour, ghost: index > 0 };
       return work ? new Work(work, options) : null;
     });
     this.aim = description.target && aimAt(description.target);
@@ -143,6 +144,7 @@ export class SceneView {
     this.world.add(
       seabed(description.seabed, textures.seabed, ready, this.water),
       ...(description.target && !this.works[0] ? [target(description.target, textures.target, ready, this.water)] : []),
+      ...(description.search ? [startMark(description.search, depth)] : []),
       ...this.works.flatMap((work) => work?.group ?? []),
       this.particles.points,
       this.outside,

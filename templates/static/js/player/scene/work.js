@@ -26,30 +26,34 @@ class Part extends Link {
   constructor(link) {
     super(link);
     this.joint = link.joint;
+    this.isDecoy = link.joint?.kind === "free" && link.joint.of === "decoy";
   }
 
   /**
    * @param {SceneMoment} moment
    */
-  show({ row, work }) {
+  show({ row, work, decoy }) {
     const { joint, moved } = this;
     if (!joint) return;
-    if (joint.kind !== "free") this.move(joint, joint.ratio * (row.workpiece_joint ?? 0));
-    else if (work) {
-      moved.position.set(work.x, work.y, work.z);
-      moved.rotation.set(work.roll, work.pitch, work.yaw, "ZYX");
+    if (joint.kind !== "free") {
+      this.move(joint, joint.ratio * (row.workpiece_joint ?? 0));
+      return;
     }
+    const pose = this.isDecoy ? decoy : work;
+    if (!pose) return;
+    moved.position.set(pose.x, pose.y, pose.z);
+    moved.rotation.set(pose.roll, pose.pitch, pose.yaw, "ZYX");
   }
 }
 
 export class Work {
   /**
-   * shape: of scene.json; letters: address of the picture of what is written on it; colour: CSS, where several runs
-   * are shown; a ghost is only what moves
+   * shape: of scene.json; letters, decoy: addresses of the pictures of what is written on it and on what looks like it;
+   * colour: CSS, where several runs are shown; a ghost is only what moves
    * @param {WorkShape} shape
-   * @param {{letters: string, ready: () => void, water: Water, colour?: string, ghost: boolean}} options
+   * @param {{letters: string, decoy: string, ready: () => void, water: Water, colour?: string, ghost: boolean}} options
    */
-  constructor(shape, { letters, ready, water, colour, ghost }) {
+  constructor(shape, { letters, decoy, ready, water, colour, ghost }) {
     this.group = new THREE.Group();
     this.face = shape.face;
     this.parts = shape.things.map((thing) => {
@@ -65,7 +69,9 @@ export class Work {
       if (!colour && !ghost) soak(drawn, water);
     }
     if (ghost || colour) repaint(this.group, colour, ghost);
-    else write(this.group, (corners) => lettering(corners, letters, ready, water));
+    else
+      for (const one of this.parts.flat())
+        write(one.drawn, (corners) => lettering(corners, one.isDecoy ? decoy : letters, ready, water));
     this.contact = new Contact();
   }
 
