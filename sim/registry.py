@@ -59,7 +59,7 @@ REFERENCE_CONTROLLERS = {
 # What moves an arm, by the task that it is for; marks on the leaderboards last.
 ARM_CONTROLLERS = {
     "mission": {
-        "chain": "seamark.sim.control.manipulation.recover:ResolvedRate",
+        "chain": "seamark.sim.control.manipulation.mission:Chain",
     },
     "recover": {
         "resolved-rate": "seamark.sim.control.manipulation.recover:ResolvedRate",
@@ -77,6 +77,8 @@ ARM_CONTROLLERS = {
 REFERENCE_ARM_CONTROLLERS = {
     "mission": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
+        "lawnmower": "seamark.sim.control.manipulation.mission:Lawnmower",
+        "oracle": "seamark.sim.control.manipulation.oracle:MissionOracle",
     },
     "recover": {
         "nothing": "seamark.sim.control.position.nothing:Controller",

@@ -1,8 +1,8 @@
 """A mission: find the right box, recover it, and bring it to where the vehicle started.
 
 The box counts as carried as in `recovery`. Nothing that a program says is part of a stage: it has
-found the box when the box is in the middle of its camera's image, and recognised it when it stays
-above it; the wrong box, once carried, counts against it.
+found the box when its hand is above it or nearly so, which has the box in view of its camera, and
+recognised it when the hand stays there. The wrong box, once carried, counts against it.
 """
 
 from typing import Any
@@ -24,9 +24,10 @@ from seamark.sim.metrics.stages import Progress, Stage, first_run
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import Rows
 
-SEEN_PX, SEEN_S = 100.0, 1.0  # E: of 120 px from the middle to the nearest edge of the image
-ABOVE_PX, ABOVE_S = 40.0, 5.0  # E: 0.4 m from 2 m above it, for longer than a passage takes
-MARK_M, MARK_S = 1.0, 2.0  # E: the buoy above the start, and for how long the box must be there
+# From the tool to the box, level. E: so the box is in view from the height of the search.
+FOUND_M, FOUND_S = 1.0, 1.0
+ABOVE_M, ABOVE_S = 0.6, 6.0  # E: longer than a passage takes at 0.2 m/s
+MARK_M, MARK_S = 1.5, 2.0  # E: the buoy above the start, and for how long the box must be there
 WRONG = 0.3  # credit that carrying the wrong box costs, E: as much as coming to the right one gives
 
 STAGES = (
@@ -49,6 +50,8 @@ class Mission(Carrying):
         super().__init__(rows, dt)
         north, east = (self.column(f"workpiece_{axis}") for axis in "xy")
         start_x, start_y = self.column("x")[0], self.column("y")[0]
+        tool_x, tool_y = self.column("tool_x"), self.column("tool_y")
+        self.off_m: Array = np.sqrt((north - tool_x) ** 2 + (east - tool_y) ** 2)
         self.home_m: Array = np.sqrt((north - start_x) ** 2 + (east - start_y) ** 2)
         self.wrong = first_run(self.is_carried("decoy"), self.steps(FREE_S)) is not None
         self.progress = self._progress()
@@ -61,11 +64,10 @@ class Mission(Carrying):
 
     def _progress(self) -> Progress:
         """Return how far the mission got."""
-        off = self.column("distance_px")
         high = self.carried & (self.lift_m >= LIFT_M)
         goals = (
-            (off <= SEEN_PX, SEEN_S),
-            (off <= ABOVE_PX, ABOVE_S),
+            (self.off_m <= FOUND_M, FOUND_S),
+            (self.off_m <= ABOVE_M, ABOVE_S),
             (self.column("reach") <= REACH_M, NEAR_S),
             (self.carried, FREE_S),
             (high, FREE_S),
@@ -86,7 +88,8 @@ class Mission(Carrying):
         way = self.home_m[lifted:][self.carried[lifted:]]
         left = float(way.min(initial=self.home_m[lifted]))
         whole = float(self.home_m[lifted]) - MARK_M
-        return min(max((self.home_m[lifted] - left) / whole, 0.0), 1.0) if whole > 0.0 else 0.0
+        gone = float(self.home_m[lifted]) - left
+        return min(max(gone / whole, 0.0), 1.0) if whole > 0.0 else 0.0
 
 
 def reached(rows: Rows, dt: float) -> tuple[int, ...]:

@@ -50,7 +50,7 @@ class SearchSettings(ExperimentSettings):
         advanced=True,
     )
     told_error_m: float = search_setting(
-        1.2,
+        2.0,
         title="Error of the position told",
         help="How far the position that programs are told may be from the true one; drawn evenly "
         "over the disc.",

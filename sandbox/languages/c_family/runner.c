@@ -58,6 +58,8 @@ static const struct field FIELDS[] = {
     {"wrist_force", AT(wrist_force), 3, 0},
     {"wrist_torque", AT(wrist_torque), 3, 0},
     {"touch", AT(touch), SEAMARK_MOST_JOINTS, 0},
+    {"told", AT(told), 2, 0},
+    {"confidence", AT(confidence), 1, 0},
     {"image_t", AT(image_t), 1, 0},
 };
 

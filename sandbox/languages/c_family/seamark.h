@@ -57,6 +57,9 @@ typedef struct seamark_observation {
     double wrist_force[3];                      /* [N] of the arm on its hand, axes of the sensor */
     double wrist_torque[3];                     /* [N m] of the same */
     double touch[SEAMARK_MOST_JOINTS];          /* 1 for each part of the hand that touches, else 0 */
+    /* Where the target has to be found first: */
+    double told[2];    /* [m] about where it is: north and east of where the vehicle started */
+    double confidence; /* by the detector, that what the tracker has is the target; 0 to 1 */
     /* With the setting `images`: */
     double image_t;        /* [s] simulated time at which the newest images were taken */
     seamark_images images; /* grey; all their cameras take them at once */

@@ -95,7 +95,12 @@ def _install() -> dict[str, Any]:
 
 def _controller() -> dict[str, Any]:
     return {
-        "observation": (*observation.FIELDS, *observation.ARM_FIELDS, *observation.IMAGE_FIELDS),
+        "observation": (
+            *observation.FIELDS,
+            *observation.ARM_FIELDS,
+            *observation.SEARCH_FIELDS,
+            *observation.IMAGE_FIELDS,
+        ),
         "per": {
             observation.PER_THRUSTER: "thruster",
             observation.PER_MOTOR: "joint with a motor",

@@ -23,6 +23,8 @@ BENCHMARK = intervention_benchmark(
     },
     reference_built_in={
         "nothing": "Nothing: zero velocity, the arm at rest",
+        "lawnmower": "Blind lawnmower",
+        "oracle": "Oracle: knows the truth",
     },
     scale=(0.0, 0.3),
     parts=("detector", "tracker"),

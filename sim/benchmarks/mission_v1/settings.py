@@ -24,7 +24,7 @@ class MissionConfiguration(SearchSettings, InterventionSettings):
 
     levels: tuple[float, ...] = override(
         _INHERITED["levels"],
-        (0.0, 0.15, 0.3),
+        (0.0, 0.25, 0.5),
         tag="E",
         source="beyond what the oracle holds; see docs/benchmarks.md",
     )

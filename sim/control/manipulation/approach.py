@@ -46,7 +46,6 @@ LEARN = 0.25  # share of a new sighting in what is remembered
 LOW_M = 0.15  # of the tool above the grip, from which on it does not look
 BELIEVED_M = 0.03  # of a correction on the way down
 MOST_DRIFT_M_S = 0.02  # of the reckoning
-FASTEST_M_S = 0.25
 LEANING_S = 4.0  # over which the attitude is averaged
 SEE, COME, FALL, WORK = range(4)  # phases; subclasses may have more after these
 
@@ -61,6 +60,7 @@ class Approach(ABC):
     DRIFT: ClassVar[float] = 0.04  # share of a correction in the drift of the reckoning [1/s]
     SLOW_M: ClassVar[float] = 0.3  # of the tool above the grip, from where it comes down slowly
     SETTLE_S: ClassVar[float] = 0.0  # for which it looks before it comes down
+    FASTEST_M_S: ClassVar[float] = 0.25  # of the vehicle
     OPEN_RAD: ClassVar[float] = 0.6  # of a jaw
     BOTTOM_M: ClassVar[float]  # of the tool above the grip, where the work begins
 
@@ -280,9 +280,9 @@ class Approach(ABC):
             if abs(off) < NEAR_M:
                 self.integral[axis] = clipped(self.integral[axis] + KI * off * self.dt, 0.1)
         ahead, side = turned((self.integral[0], self.integral[1], 0.0), -yaw)
-        surge = clipped(KP * error[0], FASTEST_M_S) + ahead
-        sway = clipped(KP * error[1], FASTEST_M_S) + side
-        return [surge, sway, self.falling + clipped(KZ * error[2], FASTEST_M_S)]
+        surge = clipped(KP * error[0], self.FASTEST_M_S) + ahead
+        sway = clipped(KP * error[1], self.FASTEST_M_S) + side
+        return [surge, sway, self.falling + clipped(KZ * error[2], self.FASTEST_M_S)]
 
     def _turn(self, joints: list[float], tilt: Matrix, yaw: float) -> float:
         """Return the yaw rate: the heading stays."""

@@ -6,7 +6,7 @@ from pkgutil import resolve_name
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-from seamark.sim.control.manipulation import recover, valve
+from seamark.sim.control.manipulation import mission, recover, valve
 from seamark.sim.control.manipulation.approach import FALL, WORK, Approach, clipped, turned
 from seamark.sim.control.manipulation.arm_data import Vector
 from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotation
@@ -197,6 +197,10 @@ class RecoverOracle(IntoCurrent, recover.ResolvedRate):
         """Go to a phase; the jaws wait until the vehicle, which they would stop, is at rest."""
         if phase != recover.CLOSE or abs(self._plant.velocity()[2]) < CALM_M_S:
             super()._go(phase)
+
+
+class MissionOracle(mission.Delivery, RecoverOracle):
+    """`RecoverOracle` that knows where the box is, and brings it back."""
 
 
 class ValveOracle(AgainstCurrent, valve.ResolvedRate):

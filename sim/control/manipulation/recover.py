@@ -66,7 +66,11 @@ class Recover(Approach):
         if self.phase != LIFT:
             return super()._fly(error, yaw, observation)
         surge, sway, _ = super()._fly((0.0, 0.0, 0.0), yaw, observation)
-        return [surge, sway, clipped(KZ * (self.goal_depth - self._depth(observation)), RISE_M_S)]
+        return [surge, sway, self._rise(observation)]
+
+    def _rise(self, observation: Observation) -> float:
+        """Return the heave that brings the box up, and holds it there."""
+        return clipped(KZ * (self.goal_depth - self._depth(observation)), RISE_M_S)
 
 
 class Scripted(Recover):
