@@ -58,6 +58,7 @@ SEARCH_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in SEARCH_FIEL
 IMAGE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("image_t", 0, "s", "simulated time at which the newest images were taken"),
 )
+EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *IMAGE_FIELDS)
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 VEHICLE_CAMERA, ARM_CAMERA = "vehicle", "arm"

@@ -39,14 +39,14 @@ class SearchSettings(ExperimentSettings):
         source="low: a controller sees the confidence, and can go nearer to have it rise or fall",
     )
     detector_period_s: float = search_setting(
-        0.5,
+        1.0,
         title="Detector period",
         help="Time from one image that the detector gets to the next.",
         unit="s",
         low=0.05,
         high=LONGEST_PERIOD_S,
         tag="E",
-        source="at 0.3 m/s the camera moves on by a twentieth of its view",
+        source="at 0.4 m/s the camera moves on by a sixth of its view",
         advanced=True,
     )
     told_error_m: float = search_setting(

@@ -95,12 +95,7 @@ def _install() -> dict[str, Any]:
 
 def _controller() -> dict[str, Any]:
     return {
-        "observation": (
-            *observation.FIELDS,
-            *observation.ARM_FIELDS,
-            *observation.SEARCH_FIELDS,
-            *observation.IMAGE_FIELDS,
-        ),
+        "observation": observation.EVERY_FIELD,
         "per": {
             observation.PER_THRUSTER: "thruster",
             observation.PER_MOTOR: "joint with a motor",

@@ -54,6 +54,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     reference_built_in: Mapping[str, str],
     scale: tuple[float, float],
     notes: Mapping[str, str] = MappingProxyType({}),
+    marks: Mapping[str, Baseline] = MappingProxyType({}),
     parts: tuple[str, ...] = (),
     charts: tuple[Chart, ...] = (),
     groups: tuple[str, ...] = (),
@@ -62,8 +63,9 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
 
     Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
     the credit first, and `group` those of them that no other intervention has. `scale` goes from
-    the score of doing nothing to that of the oracle. `notes` are those of baselines, `parts` the
-    roles of further programs, `charts` and `groups` those that only it has.
+    the score of doing nothing to that of the oracle. `notes` are those of baselines, and
+    `marks` further ones, with settings of their own. `parts` are the
+    roles of further programs, `charts` and `groups` what only it has.
     """
     credit, *rest = metrics
     return Benchmark(
@@ -89,8 +91,11 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         metric_groups=(attempts.GROUP, group),
         stages=stages,
         baselines={
-            key: Baseline(label, key, notes=notes.get(key, ""))
-            for key, label in {**reference_built_in, **built_in}.items()
+            **{
+                key: Baseline(label, key, notes=notes.get(key, ""))
+                for key, label in {**reference_built_in, **built_in}.items()
+            },
+            **marks,
         },
         configuration=configuration,
         groups=(*GROUPS[:4], *groups, *GROUPS[4:]),

@@ -1,6 +1,6 @@
 """mission-v1: which programs find, recognise and recover a box in current and turbid water."""
 
-from seamark.sim.benchmarks.benchmark import Chart, Stages
+from seamark.sim.benchmarks.benchmark import Baseline, Chart, Stages
 from seamark.sim.benchmarks.intervention.definition import intervention_benchmark
 from seamark.sim.benchmarks.mission_v1.settings import MissionConfiguration
 from seamark.sim.metrics import mission
@@ -25,6 +25,11 @@ BENCHMARK = intervention_benchmark(
         "nothing": "Nothing: zero velocity, the arm at rest",
         "lawnmower": "Blind lawnmower",
         "oracle": "Oracle: knows the truth",
+    },
+    marks={
+        "no-recognition": Baseline(
+            "Built-in chain that takes any box", "chain", {"detector": "outline"}
+        ),
     },
     scale=(0.0, 0.3),
     parts=("detector", "tracker"),

@@ -31,9 +31,9 @@ class MissionConfiguration(SearchSettings, InterventionSettings):
     loop1: str = override(_GRID["loop1"], "turbidity")
     loop1_values: tuple[float, ...] = override(
         _GRID["loop1_values"],
-        (0.2, 1.0),
+        (0.5, 2.0),
         tag="E",
-        source="optical depths of 0.4 and 2 from the height of the search",
+        source="optical depths of 1 and 4 from the height of the search",
     )
     level_duration_s: float = override(
         ARMED["level_duration_s"],

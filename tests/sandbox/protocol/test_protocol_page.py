@@ -23,12 +23,7 @@ ADDED = ("thrusters", "joints_count")  # the header's own fields: how long array
 MOST_THRUSTERS = 8  # of a native program: the size of the header's array
 LETTERS = {PER_THRUSTER: "n", PER_MOTOR: "a", PER_FEELER: "f"}
 SIZES = {PER_THRUSTER: MOST_THRUSTERS, PER_MOTOR: MAX_JOINTS, PER_FEELER: MAX_JOINTS}
-FIELDS = (
-    *observation.FIELDS,
-    *observation.ARM_FIELDS,
-    *observation.SEARCH_FIELDS,
-    *observation.IMAGE_FIELDS,
-)
+FIELDS = observation.EVERY_FIELD
 
 
 def table() -> str:
