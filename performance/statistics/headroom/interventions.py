@@ -17,10 +17,12 @@ from performance.statistics.headroom.over_current import (
     HALVES,
     Headroom,
     Measured,
+    at_speeds,
     insert,
     of_parts,
 )
 from performance.tables import markdown_table
+from seamark.sim.numerics.statistics import mean
 from seamark.sim.registry import benchmark
 
 SEED, TRIALS = 777, 24  # neither the reference seed nor one that controllers were tuned on
@@ -28,7 +30,10 @@ SCORES = {
     "recover-v1": "recovered up to",
     "valve-v1": "turned up to",
     "connect-v1": "plugged up to",
+    "mission-v1": "mission done up to",
 }
+# Further metrics of a level that are kept, as the share of levels of all currents [%].
+FURTHER = {"mission-v1": ("found", "recognised", "taken", "wrong")}
 OWN = ("scripted", "resolved-rate", "oracle")  # that are set beside what others published
 
 
@@ -47,15 +52,20 @@ PUBLISHED = {
 }
 
 
-def columns(speeds: Sequence[float], one: Measured) -> Mapping[str, str]:
-    """Return what the table has beside the score: how often the last stage was reached."""
-    shares = zip(speeds, one.levels["completed"], strict=True)
+def columns(speeds: Sequence[float], further: Sequence[str], one: Measured) -> Mapping[str, str]:
+    """Return what the table has beside the score: how often the last stage was reached, and more.
+
+    `further` are other metrics of a level, whose mean over all levels it has.
+    """
+    shares = at_speeds(speeds, one.levels["completed"]).items()
     done = {f"done at {speed:g} m/s, %": f"{100.0 * share:.0f}" for speed, share in shares}
-    return done | of_parts(one, HALVES)
+    more = {f"{name}, %": f"{100.0 * mean(one.levels[name]):.0f}" for name in further}
+    return done | more | of_parts(one, HALVES)
 
 
 def plan(name: str) -> Headroom:
     """Return what is measured of an intervention benchmark."""
+    further = FURTHER.get(name, ())
     return Headroom(
         benchmark=name,
         command=f"intervention_headroom {name}",
@@ -64,8 +74,8 @@ def plan(name: str) -> Headroom:
         seed_per_trial=False,
         score=SCORES[name],
         curve="credit",
-        levels=("credit", "completed"),
-        columns=partial(columns, benchmark(name).read({}).level_values()),
+        levels=("credit", "completed", *further),
+        columns=partial(columns, benchmark(name).read({}).level_values(), further),
         parts=HALVES,
     )
 

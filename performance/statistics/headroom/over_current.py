@@ -206,20 +206,30 @@ def _plot_scores(plan: Headroom, entries: Mapping[str, Measured], out: Path) -> 
         axes.set_xlim(left=0.0)
 
 
+def at_speeds(speeds: Sequence[float], values: Sequence[float]) -> dict[float, float]:
+    """Return speed -> mean over the levels with that speed, which in a grid are several."""
+    levels = [*zip(speeds, values, strict=True)]
+    return {
+        each: mean([value for speed, value in levels if speed == each])
+        for each in sorted(set(speeds))
+    }
+
+
 def _plot_levels(plan: Headroom, entries: Mapping[str, Measured], out: Path) -> None:
     """Draw what each entry did over the current: the difficulty curve."""
     from matplotlib import colormaps  # noqa: PLC0415  (a development dependency)
 
     names, titles = ordered(entries), plan.titles()
-    levels = plan.definition.read({}).level_values()
+    speeds = plan.definition.read({}).level_values()
     with figure(out, height=4.5) as axes:
         for at, name in enumerate(names):
             colour = colormaps[PALETTE](0.9 * at / max(len(names) - 1, 1))
-            values = entries[name].levels[plan.curve]
-            axes.plot(levels, values, marker="o", color=colour, label=titles[name])
+            means = at_speeds(speeds, entries[name].levels[plan.curve])
+            axes.plot([*means], [*means.values()], marker="o", color=colour, label=titles[name])
         axes.set_xlabel("mean speed of the current [m/s]")
         axes.set_ylabel(plan.curve)
-        axes.set_ylim(0.0, 1.0)
+        axes.set_ylim(top=1.0)
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.legend(fontsize=8)
 
 

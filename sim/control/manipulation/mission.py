@@ -5,7 +5,7 @@ the depth is that of the depth gauge.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import ClassVar
 
 from seamark.sim.control.manipulation import recover
@@ -41,14 +41,14 @@ class Delivery(recover.Recover):
         self.unknown_s = 0.0  # for which the drift of the reckoning was not yet known
         self._home: Point | None = None
 
-    def step(self, observation: Observation) -> Sequence[float]:
+    def step(self, observation: Observation) -> list[float]:
         """Return the command."""
         if self._home is None:
             self._reckon((0.0, 0.0, 0.0), 0.0)
             self._home = self.place[0], self.place[1]
         if self.work is None:
             self.unknown_s += self.dt
-        return super().step(observation)
+        return list(super().step(observation))
 
     def _work(self, observation: Observation, error: Vector, joints: list[float]) -> None:
         super()._work(observation, error, joints)
@@ -105,7 +105,7 @@ class Chain(Delivery, recover.ResolvedRate):
         self.close_s = self.unseen_s = 0.0
         self.floor_m = math.inf  # least depth of the face of a box that was seen
 
-    def step(self, observation: Observation) -> Sequence[float]:
+    def step(self, observation: Observation) -> list[float]:
         """Return the command."""
         if self.phase >= SEE:
             return super().step(observation)
@@ -207,7 +207,7 @@ class Lawnmower(recover.Scripted):
         super().reset(level)
         self.at = 0
 
-    def step(self, observation: Observation) -> Sequence[float]:
+    def step(self, observation: Observation) -> list[float]:
         """Return the command."""
         roll, pitch, yaw = self._attitude(observation)
         tilt, joints = rotation(roll, pitch, 0.0), self._joints(observation)
