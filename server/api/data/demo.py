@@ -13,11 +13,11 @@ from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import (
     CameraQuery,
+    DemoTextureQuery,
     MomentsResponse,
     SceneQuery,
     SeriesQuery,
     SeriesResponse,
-    TextureQuery,
     TrialQuery,
 )
 from seamark.server.runs.data.error_curve import error_column
@@ -56,7 +56,7 @@ def scene(query: SceneQuery) -> Response:
 
 
 @api.get("/texture.jpg", responses=answers_with("image/jpeg"))
-def texture(query: TextureQuery) -> Response:
+def texture(query: DemoTextureQuery) -> Response:
     """Return the picture of the seabed or of the target's top face."""
     return _conditional(_jpeg(recorded_demo.texture(query.part)))
 

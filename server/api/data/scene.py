@@ -45,11 +45,12 @@ def texture(path: RunPath, query: TextureQuery) -> Response:
     The decoy's is that of the wrong box, where the right one has to be found.
     """
     view = _view(path, query)
-    image = scenes.texture(
-        services().settings, view, trial=query.trial, level=query.level, part=query.part
-    )
-    if image is None:
-        raise Problem("not-found", f"Run {view.id} has no decoy.")
+    try:
+        image = scenes.texture(
+            services().settings, view, trial=query.trial, level=query.level, part=query.part
+        )
+    except scenes.NoDecoy as reason:
+        raise Problem("not-found", str(reason)) from None
     answer = Response(image, content_type="image/jpeg")
     answer.add_etag()
     return caching.conditional(answer)

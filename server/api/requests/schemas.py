@@ -141,6 +141,12 @@ class SceneQuery(Query):
     level: int = Field(0, ge=0, le=10000)
 
 
+class DemoTextureQuery(SceneQuery):
+    """A surface of the recorded scene."""
+
+    part: Literal["seabed", "target"] = Field("seabed", description="Which surface")
+
+
 class TextureQuery(SceneQuery):
     """A surface of a scene."""
 

@@ -119,16 +119,17 @@ def _choice(run_id: int, title: str, score: float | None, *, state: str = "") ->
 
 
 def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, Any]:
+    columns = [_columns(run) for run in runs]
     return {
         "api": f"/api/v1/compare?runs={','.join(str(run.id) for run in runs)}",
         "runs": [
             {
                 "id": run.id,
                 "api": f"/api/v1/runs/{run.id}",
-                "columns": _columns(run),
+                "columns": names,
                 "stages": registry.benchmark(run.benchmark).stage_labels,
             }
-            for run in runs
+            for run, names in zip(runs, columns, strict=True)
         ],
         "trial_s": max(_trial_s(run) for run in runs),
         "trials": max(run.trials for run in runs),
@@ -137,6 +138,7 @@ def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, 
         "charts": _charts(runs),
         "curves": compared_curves(runs),
         "detections": all(map(_has_detections, runs)),
+        "searches": all({"name": "searching"} in names for names in columns),
         "columns_max": COLUMNS_MAX,
     }
 

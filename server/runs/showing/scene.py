@@ -34,6 +34,10 @@ Part = Literal["seabed", "target", "decoy"]
 Surface = NDArray[np.uint8]
 
 
+class NoDecoy(Exception):
+    """There is nothing that looks like the target."""
+
+
 def has_level(run: RunView, trial: int, level: int) -> bool:
     """Return whether the run has this trial and level."""
     levels = registry.benchmark(run.benchmark).restore(run.config).level_values()
@@ -216,15 +220,18 @@ def _joint(link: LinkData, motors: Sequence[str]) -> dict[str, Any] | None:
     return {"kind": joint.kind, "axis": joint.axis, **moved}
 
 
-def texture(
-    settings: Settings, run: RunView, *, trial: int, level: int, part: Part
-) -> bytes | None:
+def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: Part) -> bytes:
     """Return the seabed's tile, columns to the north and rows to the east, or the target's top.
 
     A painted bottom is its tile with all that lies on it.
 
     With a workpiece, that is what cameras see on the upper side of its box with letters. The
-    decoy's is that of the box that looks like it; None without one.
+    decoy's is that of the box that looks like it.
+
+    Raises
+    ------
+    NoDecoy
+        Nothing looks like the target.
     """
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         if part != "seabed":
@@ -232,7 +239,9 @@ def texture(
             lettered = [] if work is None else _lettered(work, of_decoy=part == "decoy")
             if lettered:
                 return jpeg(_letters_on(lettered[0]))
-            return None if part == "decoy" else jpeg(_top_of(camera.target))
+            if part == "decoy":
+                raise NoDecoy("Nothing looks like the target of this run.")
+            return jpeg(_top_of(camera.target))
         ground, tiles = camera.ground, _painted(camera)
     return _seabed(ground) if tiles is None else jpeg(np.dstack([*tiles[::-1]]))
 

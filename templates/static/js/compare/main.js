@@ -7,6 +7,7 @@ import { Cameras } from "./cameras.js";
 import { OverlaidCharts } from "./charts.js";
 import { Ghosts } from "./ghosts.js";
 import { showLevelCurves } from "./level_curves.js";
+import { ComparedMaps } from "./maps.js";
 import { ComparedStages } from "./stages.js";
 
 const POINTS_MAX = 1500; // of each run and chart
@@ -35,7 +36,8 @@ playhead.restore({
 const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").split(","));
 const cameras = new Cameras(data, playhead);
 const ghosts = new Ghosts(root, data, playhead);
-const stages = new ComparedStages(data, playhead);
+const maps = new ComparedMaps(data, playhead);
+const stages = new ComparedStages(data, playhead, (index, moments) => maps.setMoments(index, moments));
 const curveBox = maybe(document, "[data-level-curves]", HTMLElement);
 if (curveBox)
   showLevelCurves(
@@ -73,6 +75,7 @@ async function load() {
   charts.show(series, level());
   cameras.setParts(series, playhead.trial);
   ghosts.setParts(series, playhead.trial);
+  maps.setParts(series, playhead.trial);
   stages.setParts(series, playhead.trial, longest);
   slider.max = String(longest);
   slider.disabled = playButton.disabled = longest === 0;

@@ -9,11 +9,14 @@ import { bandsOf, within } from "../player/stages.js";
 
 export class ComparedStages {
   /**
+   * onMoments: called with those of a run
    * @param {CompareData} data
    * @param {Playhead} playhead
+   * @param {(index: number, moments: Moments) => void} onMoments
    */
-  constructor(data, playhead) {
+  constructor(data, playhead, onMoments) {
     this.data = data;
+    this.onMoments = onMoments;
     const onSeek = (/** @type {number} */ t) => playhead.seek(t);
     this.strips = data.runs.map(({ id, stages }) => {
       const strip = maybe(document, `[data-stages="${id}"]`, HTMLElement);
@@ -36,6 +39,7 @@ export class ComparedStages {
         if (!strip) return;
         const moments = start === null ? null : await this.moments(index, trial);
         if (asked !== this.asked) return;
+        if (moments) this.onMoments(index, moments);
         strip.duration = longest;
         const end = (start ?? 0) + (t[t.length - 1] ?? 0);
         strip.show(moments ? within(bandsOf(moments, end), start ?? 0, end) : []);

@@ -96,6 +96,16 @@ export class SearchMap {
     this.draw();
   }
 
+  /**
+   * Shows a sentence instead of a map.
+   * @param {string} sentence
+   */
+  hide(sentence) {
+    this.shown = null;
+    this.note.textContent = sentence;
+    this.draw();
+  }
+
   /** @param {Moments} moments */
   setMoments(moments) {
     this.moments = moments;
@@ -114,6 +124,7 @@ export class SearchMap {
     const rows = shown && shown.trial === this.trial ? levelAround(this.rows, shown.t) : [];
     this.note.hidden = rows.length > 0;
     this.svg.toggleAttribute("hidden", !rows.length);
+    this.figures.hidden = !rows.length;
     if (!shown || !rows.length) return;
     const level = Number(rows[0].level);
     this.useScene(shown.trial, level);
