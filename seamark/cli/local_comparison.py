@@ -15,6 +15,15 @@ from seamark.sim.settings.position_controllers import UPLOAD
 
 
 @dataclass(frozen=True, slots=True)
+class LocalPart:
+    """A further program of a result, as its manifest names it."""
+
+    role: str
+    program_sha256: str
+    language: str = ""  # manifests do not name it
+
+
+@dataclass(frozen=True, slots=True)
 class ComparedResult:
     """A result as a `seamark.server.runs.showing.score_differences.ComparedRun`."""
 
@@ -50,6 +59,12 @@ class ComparedResult:
     def program_name(self) -> str | None:
         """A name of the program: manifests have none."""
         return "program" if self.program_sha256 else None
+
+    @property
+    def parts(self) -> tuple[LocalPart, ...]:
+        """The further programs."""
+        digests: Mapping[str, str] = self.result.manifest.get("parts") or {}
+        return tuple(LocalPart(*each) for each in digests.items())
 
     @property
     def seed(self) -> int | None:

@@ -89,27 +89,45 @@ def file_of(path: Path) -> Path:
     return packed
 
 
+def choose_parts(files: Mapping[str, Path], *, benchmark: str) -> dict[str, Path]:
+    """Return role -> file of the further programs of a run; a folder is packed into an archive.
+
+    Raises
+    ------
+    UsageRefused
+        The benchmark has no such part, or does not support the language of the file.
+    """
+    if not has_simulator():
+        return {role: file_of(file) for role, file in files.items()}
+    from seamark.programs import parts
+    from seamark.sim import registry
+
+    chosen: dict[str, Path] = {}
+    for role, file in files.items():
+        known = benchmark in registry.BENCHMARKS  # else it may be one of a newer server
+        if known and (refusal := parts.refusal(registry.benchmark(benchmark), role)):
+            raise UsageRefused(refusal)
+        chosen[role] = file_of(file)
+        if not chosen[role].is_file():
+            raise UsageRefused(f"There is no file {file}.")
+        _check_language(chosen[role], role)
+    return chosen
+
+
 def prepare_parts(files: Mapping[str, Path], *, benchmark: str) -> dict[str, PreparedProgram]:
     """Return role -> program of the further programs of a run.
 
     Raises
     ------
     UsageRefused
-        The benchmark has no such part, or the file cannot be read or is in no suitable language.
+        As `choose_parts`, or a file cannot be read.
     ProgramFailed
         The server would refuse an upload of it.
     """
-    from seamark.programs import parts
-    from seamark.sim import registry
-
-    prepared: dict[str, PreparedProgram] = {}
-    for role, file in files.items():
-        if refusal := parts.refusal(registry.benchmark(benchmark), role):
-            raise UsageRefused(refusal)
-        path = file_of(file)
-        _check_language(path, role)
-        prepared[role] = prepare_valid(path, benchmark=benchmark, role=role)
-    return prepared
+    chosen = choose_parts(files, benchmark=benchmark)
+    return {
+        role: prepare_valid(path, benchmark=benchmark, role=role) for role, path in chosen.items()
+    }
 
 
 def _check_language(path: Path, role: str) -> None:

@@ -39,7 +39,7 @@ RUN_KEYS = (
     "failure",
     "links",
 )
-_FILES = ("program", "vehicle")  # of a submission
+_FILES = ("program", "vehicle", "tracker_program", "detector_program")  # of a submission
 FIRST_ANSWER_S = 4.0  # of pauses until an address that has never answered is given up
 SWEEP_KEYS = ("id", "live", "best", "cells", "links")
 

@@ -20,6 +20,8 @@ class SubmissionOptions(TypedDict, total=False):
     controller: str | None
     program: str | Path | None
     vehicle: str | Path | None
+    tracker_program: str | Path | None
+    detector_program: str | Path | None
     config: Mapping[str, object] | None
     kind: Kind
     seed: int | None
@@ -50,6 +52,7 @@ class RunDocument(TypedDict):
     controller: str
     program_name: str | None
     language: str | None
+    parts: list[dict[str, Any]]
     user: str
     is_baseline: bool
     title: str

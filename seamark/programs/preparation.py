@@ -25,7 +25,9 @@ _LIMITS = Limits()
 
 
 class UploadRejected(Exception):
-    """The upload breaks a rule. The text is for the user and shown on the form."""
+    """The upload breaks a rule. The text is for the user and shown on the form, at `field`."""
+
+    field = "program"
 
 
 class UploadTooLarge(UploadRejected):

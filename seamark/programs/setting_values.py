@@ -1,6 +1,6 @@
 """Values of the settings of a run, by the JSON Schema of its benchmark."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -11,7 +11,11 @@ SOLUTION = "controller"  # the name under which conditions know the solution; al
 
 
 def in_effect(
-    benchmark: Benchmark, config: Mapping[str, object], solution: str
+    benchmark: Benchmark,
+    config: Mapping[str, object],
+    solution: str,
+    *,
+    parts: Collection[str] = (),
 ) -> dict[str, Schema]:
     """Return name -> schema of the settings that have any effect in a run, in their order.
 
@@ -19,8 +23,12 @@ def in_effect(
     ----------
     solution
         The name of a built-in solution, or UPLOAD.
+    parts
+        Roles of further programs: each replaces what the setting with its name chooses.
     """
     chosen = {**config, SOLUTION: solution}
+    for role in parts:
+        chosen.pop(role, None)
     if benchmark.role != SOLUTION and solution == UPLOAD:
         # It replaces the built-in tracker or detector, which the setting with the name of the role
         # chooses, with all options of that one.

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, or_, select
+from sqlalchemy import ColumnElement, and_, or_, select
 from sqlalchemy.orm import Session
 from sqlalchemy.sql.base import ReadOnlyColumnCollection
 from sqlalchemy.sql.elements import KeyedColumnElement
 
-from seamark.server.database.tables import Result, Run
+from seamark.server.database.tables import Result, Run, RunPart
 from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.sim.recording.manifest import code_sha256
@@ -93,7 +93,9 @@ def _period(choice: RunChoice) -> list[ColumnElement[bool]]:
 
 
 def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:
-    with_program = or_(seen.program_sha256.is_(None), seen.data_deleted_at.is_(None))
+    parts = select(RunPart.run_id).where(RunPart.run_id == seen.id).exists()
+    # The cheap condition first: it holds for most runs.
+    with_program = or_(seen.data_deleted_at.is_(None), and_(seen.program_sha256.is_(None), ~parts))
     conditions = [
         # Nothing computes these.
         *(seen.kind != RunKind.LOG, seen.controller != ROSBRIDGE),

@@ -10,6 +10,7 @@ from flask import Blueprint, Flask, Response, abort, current_app, jsonify, rende
 from flask_openapi3.blueprint import APIBlueprint
 from pydantic import BaseModel
 
+from seamark.programs import parts
 from seamark.server.api.account.mail import MailRequest
 from seamark.server.api.classes.class_schemas import (
     AssignmentChange,
@@ -164,7 +165,7 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
         _add_body(paths, method, path, _as_json(body))
     _add_body(paths, "post", "runs", _as_json(RunRequest) | _with_files(RunRequest))
     _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_files(SweepRequest))
-    _add_body(paths, "post", "checks", _with_files(RunRequest))
+    _add_body(paths, "post", "checks", _with_files(RunRequest, parts_too=False))
     _add_body(paths, "post", "vehicles/check", _VEHICLE_FORM)
     _add_body(paths, "post", "logs", _LOG_FORM)
 
@@ -180,17 +181,23 @@ def _as_json(model: type[BaseModel]) -> dict[str, Any]:
     return {"application/json": {"schema": {"$ref": _REF.format(model=model.__name__)}}}
 
 
-def _with_files(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the multipart form of a run or sweep with its program and vehicle."""
+def _with_files(model: type[BaseModel], *, parts_too: bool = True) -> dict[str, Any]:
+    """Return the multipart form of a run or sweep with its programs and vehicle."""
+    further = {parts.field(role): _part(role) for role in parts.ROLES if parts_too}
     program = {"type": "string", "format": "binary", "description": "The program"}
     run = {"$ref": _REF.format(model=model.__name__)}
     form = {
         "type": "object",
         "required": ["run"],
-        "properties": {"run": run, "program": program, "vehicle": _VEHICLE},
+        "properties": {"run": run, "program": program, "vehicle": _VEHICLE} | further,
     }
     encoding = {"run": {"contentType": "application/json"}}
     return {"multipart/form-data": {"schema": form, "encoding": encoding}}
+
+
+def _part(role: str) -> dict[str, Any]:
+    what = f"A {role} of your own beside the program, in benchmarks that have this part"
+    return {"type": "string", "format": "binary", "description": what}
 
 
 def _complete(operation: dict[str, Any], *, changes: bool) -> None:

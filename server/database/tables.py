@@ -18,7 +18,7 @@ from sqlalchemy import (
     text,
     true,
 )
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
 from seamark.server.monitoring.log import request_id
 
@@ -173,6 +173,13 @@ class Run(Base):
     data_deleted_at: Mapped[float | None]  # telemetry, log and program; the row stays
     deleted_at: Mapped[float | None]  # an empty row stays (server/runs/ending/deletion.py)
 
+    parts: Mapped[list["RunPart"]] = relationship(order_by="RunPart.role", passive_deletes=True)
+
+    @property
+    def has_programs(self) -> bool:
+        """Whether programs were uploaded for it: one of its benchmark's role, or parts."""
+        return self.program_sha256 is not None or bool(self.parts)
+
     __table_args__ = (
         CheckConstraint(
             "state IN ('queued', 'running', 'succeeded', 'failed', 'cancelled')", name="state"
@@ -263,6 +270,21 @@ class Run(Base):
             postgresql_where=text("submission IS NOT NULL"),
         ),
     )
+
+
+class RunPart(Base):
+    """A further program of a run, in place of the built-in solution of its role."""
+
+    __tablename__ = "run_parts"
+
+    run_id: Mapped[int] = mapped_column(
+        ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    role: Mapped[str] = mapped_column(String(20), primary_key=True)
+    program_sha256: Mapped[str] = mapped_column(String(64), index=True)
+    program_name: Mapped[str | None] = mapped_column(String(255))  # NULL: the run was deleted
+    language: Mapped[str] = mapped_column(String(40))
+    program_parameters: Mapped[list[dict[str, Any]] | None] = mapped_column(_Json)  # declared
 
 
 # As the partial indexes have them: with a bound parameter no database would use these.

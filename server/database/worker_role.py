@@ -10,7 +10,7 @@ from sqlalchemy import Connection, inspect, text
 # delete.
 READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
-    *("rejudgements", "seen_submissions"),
+    *("rejudgements", "run_parts", "seen_submissions"),
 )
 CHANGED = ("runs", "assigned_runs", "rejudged_runs", "verifications")
 OWN = (

@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 
 from seamark.programs.check_report import platform_failure
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
-from seamark.server.database.tables import Check, Run
+from seamark.server.database.tables import Check, Run, RunPart
 from seamark.server.messaging import workers
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
@@ -229,6 +229,7 @@ def refers_to(session: Session, sha256: str) -> bool:
     users = (
         select(Run.id).where(Run.program_sha256 == sha256, has_data),
         select(Run.id).where(Run.vehicle_sha256 == sha256, has_data),
+        select(RunPart.run_id).join(Run).where(RunPart.program_sha256 == sha256, has_data),
         select(Check.id).where(Check.program_sha256 == sha256),
         select(Check.id).where(Check.vehicle_sha256 == sha256),
     )

@@ -8,6 +8,7 @@ memory.
 from flask import Flask, g, request
 from werkzeug.exceptions import BadRequest, RequestEntityTooLarge
 
+from seamark.programs import parts
 from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.settings import Settings
@@ -49,8 +50,8 @@ def body_max(settings: Settings, content_type: str) -> int:
 
 
 def _files_max(settings: Settings) -> int:
-    """Return the size [byte] of the largest program with the largest vehicle."""
-    return settings.upload_max_bytes + VEHICLE_MAX_BYTES
+    """Return the size [byte] of the largest programs of all roles with the largest vehicle."""
+    return (1 + len(parts.ROLES)) * settings.upload_max_bytes + VEHICLE_MAX_BYTES
 
 
 def form_fields() -> dict[str, str]:

@@ -1,7 +1,9 @@
-"""The program and the vehicle of a request: read, checked and stored."""
+"""The programs and the vehicle of a request: read, checked and stored."""
 
 from typing import BinaryIO
 
+from seamark.programs import parts
+from seamark.programs.preparation import UploadRejected
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
@@ -34,6 +36,15 @@ def store_program(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str)
     with current.database.reading() as session:
         quota.enforce(session, viewer, current.settings, new_bytes=len(prepared.content))
     return store.save(prepared, current.settings)
+
+
+def store_part(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str) -> StoredProgram:
+    """Store a further program of a run, as `store_program`; what is raised names its field."""
+    try:
+        return store_program(stream, filename, viewer=viewer, role=role)
+    except UploadRejected as rejected:
+        rejected.field = parts.field(role)
+        raise
 
 
 def store_vehicle(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredVehicle:

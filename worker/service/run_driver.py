@@ -11,6 +11,7 @@ from redis import Redis
 from sqlalchemy.orm import Session
 
 from seamark.programs import parameters
+from seamark.programs.parameters import Parameter
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server.database import data_folder
@@ -20,12 +21,13 @@ from seamark.server.runs.data.files import RunFiles, StorageFailed
 from seamark.server.runs.ending import first_results, results
 from seamark.server.runs.ending.results import Report
 from seamark.server.runs.queue.queue import Claim
+from seamark.server.runs.record.columns import Part
 from seamark.server.runs.record.seeds import SeedsMissing
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.server.storage import objects, storage
 from seamark.sim import registry
-from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.job import Job, PartProgram
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service import run_report
 from seamark.worker.service.live_states import LivePublisher
@@ -77,7 +79,7 @@ class RunDriver:
             truncate=None if self._upload is None else self._upload.truncate_rows,
             shown_trials=None if protocol is None else protocol.reference_trials,
         )
-        self._isolation = context.isolation.name.lower() if claim.program_sha256 else None
+        self._isolation = context.isolation.name.lower() if _has_programs(claim) else None
         self.lease = RunLease(
             claim,
             context.database,
@@ -225,14 +227,26 @@ class RunDriver:
             program=self._uploaded(claim.program_sha256),
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
+            parts=tuple(map(self._part, claim.parts)),
             vehicle=self._uploaded(claim.vehicle_sha256),
             bridge=self._context.bridge,
         )
 
+    def _part(self, part: Part) -> PartProgram:
+        declared = [Parameter.from_json(one) for one in part.program_parameters or ()]
+        return PartProgram(
+            role=part.role,
+            program=self._fetched(part.program_sha256),
+            filename=part.program_name or "",
+            language=part.language,
+            parameters=parameters.defaults(declared),
+        )
+
     def _uploaded(self, sha256: str | None) -> Path | None:
         """Return the file of what was uploaded for the run; None if nothing was."""
-        if sha256 is None:
-            return None
+        return None if sha256 is None else self._fetched(sha256)
+
+    def _fetched(self, sha256: str) -> Path:
         away_s = 0.0 if self._upload is None else STORE_AWAY_S
         settings = self._context.settings
         file = fetched_program(settings, sha256, self._watch_claim, within_s=away_s)
@@ -267,6 +281,10 @@ class RunDriver:
     def _progress(self) -> Progress:
         t_simulated = self._recorder.t_simulated
         return Progress(min(t_simulated / (self._trial_s * self._claim.trials), 1.0), t_simulated)
+
+
+def _has_programs(claim: Claim) -> bool:
+    return claim.program_sha256 is not None or bool(claim.parts)
 
 
 def _seeds(claim: Claim) -> tuple[int, ...]:

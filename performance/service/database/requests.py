@@ -31,6 +31,7 @@ _ADDRESSES = {
     "/problems/<slug>": "/problems/not-found",
     "/api/v1/benchmarks/<string:benchmark>": f"/api/v1/benchmarks/{BENCHMARK}",
     "/api/v1/leaderboards/<string:benchmark>": f"/api/v1/leaderboards/{BENCHMARK}",
+    "/api/v1/runs/<int:run_id>/parts/<role>": "/api/v1/runs/{run}/parts/tracker",
     "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
     "/api/v1/checks/<int:check_id>/camera.jpg": "/api/v1/checks/1/camera.jpg",
     "/api/v1/admin/rejudgements/preview": (

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import benchmark_argument, json_option, run_options, server_options
+from seamark.cli.options import (
+    benchmark_argument,
+    json_option,
+    part_options,
+    parts_in,
+    run_options,
+    server_options,
+)
 from seamark.cli.run_summary import exit_code, summary
 from seamark.failures import UsageRefused
 from seamark.programs.licences import LICENCES, NO_PROGRAM
@@ -27,6 +34,7 @@ GUEST = (
 @click.command()
 @benchmark_argument
 @run_options
+@part_options
 @click.option("--ranked", is_flag=True, help="Run on the benchmark's scenario and seeds, to rank.")
 @click.option("--title", default="", help="Title in the list of runs.")
 @click.option(
@@ -76,6 +84,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     server: str,
     token: str | None,
     as_json: bool,
+    **parts: Path | None,
 ) -> None:
     """Submit a run of a controller or tracker (a file or a built-in one) to a server.
 
@@ -90,14 +99,17 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     """
     from seamark.cli.configuration import read_settings, taken_vehicle, typed_if_known
     from seamark.cli.server_answers import refusals_shown
-    from seamark.cli.solutions import choose
+    from seamark.cli.solutions import choose, choose_parts
     from seamark.client import Client
 
     name, program = choose(controller, benchmark)
+    own_parts = choose_parts(parts_in(parts), benchmark=benchmark)
     settings, vehicle = taken_vehicle(read_settings(config, pairs))
     submission: SubmissionOptions = {
         "controller": name if program is None else None,
         "program": program,
+        "tracker_program": own_parts.get("tracker"),
+        "detector_program": own_parts.get("detector"),
         "vehicle": vehicle,
         "config": typed_if_known(benchmark, settings),
         "kind": "ranked" if ranked else "practice",
@@ -113,7 +125,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         "anonymous": anonymous,
     }
     if publish:
-        _check_publication(terms, sweep=bool(axes), program=program, token=token)
+        own = program is not None or bool(own_parts)
+        _check_publication(terms, sweep=bool(axes), own_program=own, token=token)
     elif method or licence or results_only or anonymous:
         raise UsageRefused("--method, --licence, --results-only and --anonymous need --publish.")
     with refusals_shown(), Client(server, token) as client:
@@ -155,16 +168,16 @@ def _best(run: Run) -> str:
 
 
 def _check_publication(
-    terms: PublicationTerms, *, sweep: bool, program: Path | None, token: str | None
+    terms: PublicationTerms, *, sweep: bool, own_program: bool, token: str | None
 ) -> None:
     """Refuse what the server would refuse too, but only after the run."""
     if sweep:
         raise UsageRefused("--publish is for one run; publish those of a sweep on their pages.")
     if not token:
         raise UsageRefused("Publishing needs an account: name its token with --token.")
-    if program is not None and not terms["method"].strip():
+    if own_program and not terms["method"].strip():
         raise UsageRefused("Name the method that you publish, with --method.")
-    if terms["licence"] is not None and (program is None or not terms["program"]):
+    if terms["licence"] is not None and not (own_program and terms["program"]):
         raise UsageRefused(NO_PROGRAM)
 
 

@@ -117,7 +117,7 @@ def _state(run: RunView, viewers: int) -> bytes:
 
 @lru_cache(maxsize=REPLAYS_KEPT)
 def _replay(
-    root: Path, run_id: int, after: Position | None, until: Position, hidden: str
+    root: Path, run_id: int, after: Position | None, until: Position, hidden: tuple[str, ...]
 ) -> Excerpt:
     """Return what a run that has ended recorded between two positions."""
     files = RunFiles(root.parents[2], run_id, until.attempt)

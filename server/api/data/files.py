@@ -12,7 +12,13 @@ from flask_openapi3.models.tag import Tag
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
-from seamark.server.api.requests.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
+from seamark.server.api.requests.schemas import (
+    CameraQuery,
+    LogQuery,
+    PartPath,
+    RunPath,
+    TelemetryQuery,
+)
 from seamark.server.programs import store, vehicles
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.seeds import seeds_hidden
@@ -160,14 +166,29 @@ def program(path: RunPath) -> Response:
     view = access.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
         raise Problem("not-found", f"Run {view.id} has no uploaded program.")
+    return _source(view, view.program_sha256, view.program_name or "program")
+
+
+@api.get("/runs/<int:run_id>/parts/<role>", responses=answers_with("text/plain"))
+def part(path: PartPath) -> Response:
+    """Download a further program of your own or of a public run, by its role."""
+    view = access.run_for(path.run_id, Action.VIEW_PROGRAM)
+    found = next((one for one in view.parts if one.role == path.role), None)
+    if found is None:
+        raise Problem("not-found", f"Run {view.id} has no uploaded {path.role}.")
+    return _source(view, found.program_sha256, found.program_name or found.role)
+
+
+def _source(view: RunView, sha256: str, name: str) -> Response:
+    """Return a program of a run as a file."""
     storage.require_readable(services().settings)
     try:
-        source = store.read(services().settings, view.program_sha256)
+        source = store.read(services().settings, sha256)
     except FileNotFoundError:
         raise Problem("not-found", "The program has been deleted.") from None
     answer = Response(source, content_type="text/plain; charset=utf-8")
-    as_attachment(answer, view, view.program_name or "program")
-    answer.set_etag(view.program_sha256)
+    as_attachment(answer, view, name)
+    answer.set_etag(sha256)
     return caching.conditional(answer)
 
 

@@ -34,7 +34,7 @@ def as_problems() -> Iterator[None]:
         raise _of_submission(refusal) from None
     except UploadRejected as refusal:
         slug = "payload-too-large" if isinstance(refusal, UploadTooLarge) else "upload-rejected"
-        raise Problem(slug, str(refusal), errors={"program": str(refusal)}) from None
+        raise Problem(slug, str(refusal), errors={refusal.field: str(refusal)}) from None
     except VehicleRejected as refusal:
         slug = "payload-too-large" if isinstance(refusal, VehicleTooLarge) else "upload-rejected"
         raise Problem(slug, str(refusal), errors={vehicles.FIELD: str(refusal)}) from None

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple, TypeVar
 
 from flask import request
 from pydantic import BaseModel, Field, ValidationError
 from werkzeug.datastructures import FileStorage
 
+from seamark.programs import parts
 from seamark.server.api.requests.query import Query
 from seamark.server.api.requests.schemas import RunRequest
 from seamark.server.programs import vehicles
@@ -46,6 +49,7 @@ class SubmissionHeaders(Query):
         vehicle = None if submission.vehicle is None else submission.vehicle.sha256
         content = request.model_dump(mode="json") | {"kind of request": type(request).__name__}
         uploads = {"program": program} | ({} if vehicle is None else {"vehicle": vehicle})
+        uploads |= {parts.field(role): part.sha256 for role, part in submission.parts.items()}
         return SubmissionKey.of(user_id, self.key, request=content | uploads)
 
 
@@ -61,6 +65,7 @@ class Uploads(NamedTuple):
 
     program: FileStorage | None = None
     vehicle: FileStorage | None = None
+    parts: Mapping[str, FileStorage] = MappingProxyType({})  # role -> further program
 
 
 def run_request(model: type[Run]) -> tuple[Run, Uploads]:
@@ -77,10 +82,19 @@ def run_request(model: type[Run]) -> tuple[Run, Uploads]:
             "The part run is missing.",
             errors={"run": "This part is required and contains JSON."},
         )
-    uploads = Uploads(request.files.get("program"), request.files.get(vehicles.FIELD))
-    if uploads.program is not None:
-        _check_size(uploads.program, program_max_bytes)
+    uploads = Uploads(
+        request.files.get("program"), request.files.get(vehicles.FIELD), uploads_of_parts()
+    )
+    programs = (*([] if uploads.program is None else [uploads.program]), *uploads.parts.values())
+    for program in programs:
+        _check_size(program, program_max_bytes)
     return _parse(model, text.encode("utf-8", "surrogatepass")), uploads
+
+
+def uploads_of_parts() -> dict[str, FileStorage]:
+    """Return role -> file of each further program in the form of the request."""
+    sent = {role: request.files.get(parts.field(role)) for role in parts.ROLES}
+    return {role: file for role, file in sent.items() if file is not None and file.filename}
 
 
 def _parse(model: type[Model], data: bytes) -> Model:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from seamark.programs import parts
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.api.requests.query import Query
@@ -36,6 +37,12 @@ class RunPath(BaseModel):
     """Path parameter of a run."""
 
     run_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the run")
+
+
+class PartPath(RunPath):
+    """Path parameters of a further program of a run."""
+
+    role: str = Field(pattern=f"^({'|'.join(parts.ROLES)})$", description="What it is in the run")
 
 
 class BenchmarkPath(BaseModel):

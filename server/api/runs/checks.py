@@ -11,7 +11,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
-from seamark.programs import check_report, configurations
+from seamark.programs import check_report, configurations, parts
 from seamark.programs.preparation import PreparedProgram
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.requests import refusals, request_body
@@ -39,6 +39,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 POLL_S = (0.05, 0.05, 0.1, 0.1)  # [s] first intervals between polls of the table
 POLL_MAX_S = 0.2  # all further intervals
 RETRY_S = 1
+ONE_PROGRAM = "A check is of one program alone, in the role of the benchmark. Leave this one out."
 _NOT_FOUND = (
     "You have no check {}. Checks are kept for an hour, and a new one replaces a queued one."
 )
@@ -68,6 +69,8 @@ def create(query: CheckQuery) -> Response:
         validation.require_permission(access.viewer(), uploads="program")
         if files.program is None:
             raise SubmissionRejected("Send the program to check.", field="program")
+        for role in files.parts:
+            raise SubmissionRejected(ONE_PROGRAM, field=parts.field(role))
         benchmark = validation.find_benchmark(body.benchmark)
         prepared = _read_program(files.program, benchmark)
         declared = configurations.declared_in(benchmark, prepared.language, prepared.parameters)

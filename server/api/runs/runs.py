@@ -62,7 +62,9 @@ def create(header: SubmissionHeaders) -> Response:
     """Submit a run of a built-in controller (JSON) or of a program (multipart).
 
     Guests may try built-in controllers; programs, vehicles and ranked runs need an account. A
-    practice run may have a vehicle of your own, as the part `vehicle` of the multipart form.
+    practice run may have a vehicle of your own, as the part `vehicle` of the multipart form. Where
+    the benchmark has further roles, `tracker_program` and `detector_program` are programs of your
+    own in place of the built-in solutions that the settings choose.
     """
     run, files = request_body.run_request(RunRequest)
     access.require_scope(Action.SUBMIT)
@@ -77,7 +79,7 @@ def create(header: SubmissionHeaders) -> Response:
 
 
 def submission_of(run: RunRequest, files: Uploads) -> Submission:
-    """Return the submission in a request, whose program and vehicle are stored.
+    """Return the submission in a request, whose programs and vehicle are stored.
 
     Raises
     ------
@@ -85,9 +87,12 @@ def submission_of(run: RunRequest, files: Uploads) -> Submission:
         It is not permitted, or a file cannot be stored.
     """
     viewer, kind = authentication.become_guest(), RunKind(run.kind)
-    uploads = "program" if files.program else "vehicle" if files.vehicle else ""
+    vehicles = ("vehicle",) if files.vehicle else ()
+    uploads = next(iter((*(("program",) if files.program else ()), *files.parts, *vehicles)), "")
     validation.require_permission(viewer, kind=kind, uploads=uploads)
     benchmark = validation.find_benchmark(run.benchmark)
+    for role in files.parts:
+        validation.check_part(benchmark, role)
     program = None if files.program is None else _store(files.program, benchmark)
     built_in = run.controller or (UPLOAD if program is not None else "")
     sent = run.model_dump(include={"benchmark", "seed", "trials", "title", "notes"})
@@ -97,6 +102,7 @@ def submission_of(run: RunRequest, files: Uploads) -> Submission:
         kind=kind,
         controller=built_in,
         program=program,
+        parts={role: _store_part(file, role) for role, file in files.parts.items()},
         vehicle=vehicle,
         config=with_vehicle(run.config, vehicle),
         **sent,
@@ -111,6 +117,11 @@ def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
     """Store the program of a request."""
     stream, name = cast("BinaryIO", file.stream), file.filename or ""
     return uploads.store_program(stream, name, viewer=access.viewer(), role=benchmark.role)
+
+
+def _store_part(file: FileStorage, role: str) -> StoredProgram:
+    stream, name = cast("BinaryIO", file.stream), file.filename or ""
+    return uploads.store_part(stream, name, viewer=access.viewer(), role=role)
 
 
 def _accepted(run_id: int) -> Response:

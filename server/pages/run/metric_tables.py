@@ -98,12 +98,16 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def settings(
-    benchmark: Benchmark, config: Mapping[str, Any], controller: str
+    benchmark: Benchmark,
+    config: Mapping[str, Any],
+    controller: str,
+    *,
+    parts: Sequence[str] = (),
 ) -> dict[str, list[SettingValue]]:
-    """Return group -> settings of a run that have an effect with its solution."""
+    """Return group -> settings of a run that have an effect with its solution and its parts."""
     preset = form_fields.preset_of(benchmark.schema(), config)
     groups: dict[str, list[SettingValue]] = {}
-    for name, entry in in_effect(benchmark, config, controller).items():
+    for name, entry in in_effect(benchmark, config, controller, parts=parts).items():
         default = text_of(preset.get(name, entry.get("default")))
         changed = text_of(config[name]) != default
         label = label_of(entry, config[name])

@@ -49,7 +49,7 @@ def show(run_id: int) -> ResponseReturnValue:
         benchmark=benchmark,
         may=may,
         log=log,
-        has_log=Action.VIEW_LOG in may and bool(run.program_sha256 or log),
+        has_log=Action.VIEW_LOG in may and bool(run.has_programs or log),
         log_end=_last_lines(run, log),
         data_note=_data_note(run),
         title_max=run_notes.TITLE_MAX,
@@ -76,7 +76,9 @@ def show(run_id: int) -> ResponseReturnValue:
         settings=log_view.settings(
             run,
             benchmark,
-            metric_tables.settings(benchmark, run.config, run.controller),
+            metric_tables.settings(
+                *(benchmark, run.config, run.controller), parts=[part.role for part in run.parts]
+            ),
         ),
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),

@@ -9,7 +9,7 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.pages.run import selected_runs
-from seamark.server.runs.record.solutions import solution
+from seamark.server.runs.record.solutions import team
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.runs.showing import run_lists
 from seamark.server.runs.showing.run_lists import (
@@ -152,4 +152,4 @@ def _row(run: RunView) -> dict[str, Any]:
     times = {"queued_at": iso(run.queued_at)}
     if run.finished_at is not None:
         times["finished_at"] = iso(run.finished_at)
-    return {**same, "run": run.id, "program": solution(run), "state": run.state.value, **times}
+    return {**same, "run": run.id, "program": team(run), "state": run.state.value, **times}

@@ -58,7 +58,9 @@ class RunFiles:
         self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)
         self.data, self.run_id = data, run_id
-        self.hidden = ""  # what the log is shown without, such as a name that tells its author
+        self.hidden: tuple[
+            str, ...
+        ] = ()  # what the log is shown without: names that tell its author
         self._made = False  # whether the folder was made here: it is never made again
         self._tail = b""
         self._written = 0
@@ -253,8 +255,9 @@ class RunFiles:
 
     def _without_hidden(self, output: bytes) -> bytes:
         """Return output of the same length: an offset may lie within what is hidden."""
-        hidden = self.hidden.encode()
-        return output.replace(hidden, b"*" * len(hidden)) if hidden else output
+        for name in map(str.encode, self.hidden):
+            output = output.replace(name, b"*" * len(name))
+        return output
 
     def manifest(self) -> dict[str, Any] | None:
         """Return the manifest, or None while there is none."""

@@ -19,7 +19,7 @@ from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database import counters
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Counter
-from seamark.server.database.tables import IS_LISTED, Result, Run
+from seamark.server.database.tables import IS_LISTED, Result, Run, RunPart
 from seamark.server.monitoring import meters
 from seamark.server.programs import store
 from seamark.server.runs.data import run_objects
@@ -147,9 +147,11 @@ class Sweep:
         columns = [getattr(Run, name) for name in _Row.__dataclass_fields__]
         with self._database.reading() as session:
             rows = {row.id: _Row(*row) for row in session.execute(select(*columns).where(within))}
+            query = select(RunPart.run_id, RunPart.program_sha256).join(Run).where(within)
+            parts = [(run_id, sha256) for run_id, sha256 in session.execute(query)]
             expired = _expired(session, within, self._settings)
         sizes = self._tidied(folder, rows)
-        self._measure(rows.values(), sizes)
+        self._measure(rows.values(), sizes, parts)
         if expired:
             deleted = delete(self._database, self._settings, expired)
             meters.RETENTION_RUNS.labels("age").inc(len(deleted))
@@ -207,14 +209,25 @@ class Sweep:
         else:
             RunFiles(self._settings.data, run_id, _kept_attempt(row)).remove_earlier_attempts()
 
-    def _measure(self, rows: Iterable[_Row], of_objects: Mapping[int, int]) -> None:
-        """Record the size of runs that ended without their worker, or in an earlier version."""
+    def _measure(
+        self,
+        rows: Iterable[_Row],
+        of_objects: Mapping[int, int],
+        parts: Iterable[tuple[int, str]],
+    ) -> None:
+        """Record the size of runs that ended without their worker, or in an earlier version.
+
+        `parts` are runs and the SHA-256 of each further program.
+        """
         due = time.time() - MEASURED_AFTER_S
         sizes: dict[int, int] = {
             row.id: self._size(row, of_objects) + self._uploaded_size(row)
             for row in rows
             if not row.data_measured and row.finished_at is not None and row.finished_at < due
         }
+        for run_id, sha256 in parts:
+            if run_id in sizes:
+                sizes[run_id] += store.size(self._settings, sha256)
         unmeasured = (Run.data_measured.is_(False), Run.data_deleted_at.is_(None))
         for batch in _batches(sorted(sizes)):
             with self._database.writing() as session:

@@ -49,14 +49,14 @@ class Stored(Protocol):
     @property
     def state(self) -> RunState: ...  # noqa: D102
     @property
-    def hidden_name(self) -> str: ...  # noqa: D102 - of the program, while the run is anonymous
+    def hidden_names(self) -> tuple[str, ...]: ...  # noqa: D102 - while the run is anonymous
 
 
 def of_run(settings: Settings, run: Stored) -> RunFiles:
     """Return the files of a run, as they are now."""
     known = run.state.final and run.data_id == run.id  # else: the attempt of another run
     files = latest(settings, run.data_id, run.attempt if known else None)
-    files.hidden = run.hidden_name
+    files.hidden = run.hidden_names
     return files
 
 

@@ -29,7 +29,7 @@ _NOT_OWN = {
     "guest",
     "teacher_id",
     "data_run",
-    "hidden_name",
+    "hidden_names",
 }  # fields of a view that are not data of the run
 
 
@@ -107,9 +107,9 @@ def _write_run(
     files = stored_files.of_run(settings, run)
     if log := files.log_text():
         file.writestr(f"{folder}/log.txt", log)
-    if run.program_sha256 is not None and store.size(settings, run.program_sha256):
-        name = Path(run.program_name or "program").name
-        file.writestr(f"{folder}/program/{name}", store.read(settings, run.program_sha256))
+    for name, sha256 in _programs(run):
+        if store.size(settings, sha256):
+            file.writestr(f"{folder}/{name}", store.read(settings, sha256))
     if run.vehicle_sha256 is not None and store.size(settings, run.vehicle_sha256):
         file.writestr(f"{folder}/vehicle.toml", store.read(settings, run.vehicle_sha256))
     yield
@@ -122,6 +122,15 @@ def _write_run(
             while chunk := rows.read(CHUNK_BYTES):
                 entry.write(chunk)
                 yield
+
+
+def _programs(run: RunView) -> Iterator[tuple[str, str]]:
+    """Yield name in the folder and SHA-256 of each program of a run."""
+    if run.program_sha256 is not None:
+        yield f"program/{Path(run.program_name or 'program').name}", run.program_sha256
+    for part in run.parts:
+        name = Path(part.program_name or "program").name
+        yield f"parts/{part.role}/{name}", part.program_sha256
 
 
 def _json(value: object) -> str:

@@ -25,6 +25,7 @@ from seamark.server.database.tables import (
     Check,
     Invitation,
     Run,
+    RunPart,
     Token,
     User,
 )
@@ -103,6 +104,8 @@ def _delete_rows(session: Session, user_id: int) -> None:
     empty = select(Run.id).where(_own(user_id), Run.id != newest).limit(ROWS)
     session.execute(delete(Run).where(Run.id.in_(session.scalars(empty).all())))
     # SQLite would give its number to the next run, so the newest stays, as nobody's.
+    own_newest = select(Run.id).where(_own(user_id), Run.id == newest)
+    session.execute(delete(RunPart).where(RunPart.run_id.in_(own_newest)))
     kept = update(Run).where(_own(user_id), Run.id == newest)
     session.execute(
         kept.values(owner="deleted", user_id=None, program_sha256=None, vehicle_sha256=None)

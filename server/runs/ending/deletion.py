@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.class_tables import AssignedRun
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import IS_LISTED, Result, Run
+from seamark.server.database.tables import IS_LISTED, Result, Run, RunPart
 from seamark.server.runs.data import retention
 from seamark.server.runs.ending import results
 from seamark.server.runs.recomputation import rejudged
@@ -77,4 +77,6 @@ def _empty(
     nothing = dict.fromkeys((*numbers, "not_ranked", "metrics", "manifest", "error_curve"))
     emptied = update(Result).where(Result.run_id.in_(deleted))
     session.execute(emptied.values(rankable=False, **nothing))  # the digest stays
+    parts = update(RunPart).where(RunPart.run_id.in_(deleted))
+    session.execute(parts.values(program_name=None, program_parameters=None))
     return deleted

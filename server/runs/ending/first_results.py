@@ -71,7 +71,7 @@ def refusal(session: Session, run: Run, digest: str | None) -> str | None:
 
 def _has_fresh_water(run: Run) -> bool:
     """Return whether knowing its water could help: built-in solutions are the same every time."""
-    return run.submission is not None and run.program_sha256 is not None
+    return run.submission is not None and run.has_programs
 
 
 def _other_result(session: Session, run: Run, first_id: int) -> str:

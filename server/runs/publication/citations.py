@@ -83,7 +83,7 @@ def of_run(
         address=address,
         published=at.date(),
         licence=run.licence,
-        is_software=run.program_sha256 is not None and run.program_public,
+        is_software=run.has_programs and run.program_public,
         note=" ".join(filter(None, (_kind(run), _score(run, result), _verified(mark)))),
     )
 

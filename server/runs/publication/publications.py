@@ -68,7 +68,7 @@ def publish(session: Session, run_id: int, terms: Terms) -> bool:
             published_at=now,
             method=method,
             anonymous=terms.anonymous,
-            program_public=terms.program or run.program_sha256 is None,
+            program_public=terms.program or not run.has_programs,
             licence=terms.licence,
         )
     )
@@ -149,7 +149,7 @@ def _method(session: Session, run: Run, terms: Terms) -> str:
 def _check(session: Session, run: Run, terms: Terms) -> None:
     if terms.licence is not None and terms.licence not in LICENCES:
         raise PublicationRefused(f"Choose one of {', '.join(LICENCES)}, or none.", field="licence")
-    if terms.licence is not None and (run.program_sha256 is None or not terms.program):
+    if terms.licence is not None and not (run.has_programs and terms.program):
         raise PublicationRefused(NO_PROGRAM, field="licence")
     other = select(Run.id).where(
         Run.user_id == run.user_id,

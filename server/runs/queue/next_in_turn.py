@@ -16,6 +16,7 @@ from sqlalchemy import (
     ColumnElement,
     Select,
     String,
+    and_,
     bindparam,
     case,
     func,
@@ -28,14 +29,20 @@ from sqlalchemy.orm import Session, aliased
 
 from seamark.server.database.advisory_locks import AdvisoryLock, try_acquire
 from seamark.server.database.queue_tables import Turn
-from seamark.server.database.tables import IS_QUEUED, Run
+from seamark.server.database.tables import IS_QUEUED, Run, RunPart
 from seamark.server.runs.queue import order
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.turns import Priority
 
 _MANY = 2**30  # more runs than anybody has running
-_SUITABLE = or_(
-    Run.language.is_(None), Run.language.in_(bindparam("languages", expanding=True, type_=String))
+# The languages of a worker: twice, because an empty list is written otherwise after NOT.
+_LANGUAGES = bindparam("languages", expanding=True, type_=String)
+_NO_OTHERS = bindparam("no_others", expanding=True, type_=String)
+_UNSUITABLE_PART = select(RunPart.run_id).where(
+    RunPart.run_id == Run.id, RunPart.language.not_in(_NO_OTHERS)
+)
+_SUITABLE = and_(
+    or_(Run.language.is_(None), Run.language.in_(_LANGUAGES)), ~_UNSUITABLE_PART.exists()
 )
 
 
@@ -88,12 +95,17 @@ _LOCKING, _OLDEST = _locking(), _oldest()
 _ANYBODY = select(Turn.owner).where(*_may_start(Turn)).limit(1)
 
 
+def _bound(languages: Collection[str]) -> dict[str, object]:
+    """Return the parameters of `_SUITABLE`."""
+    return dict.fromkeys((_LANGUAGES.key, _NO_OTHERS.key), sorted(languages))
+
+
 def may_start(session: Session, languages: Collection[str], limit: int) -> bool:
     """Return whether there is a run that a claim would start now, without a lock."""
     for priority in Priority:
         if priority is Priority.BASELINE and _baseline_runs(session):
             continue
-        bound = {"languages": sorted(languages), "priority": int(priority), "limit": limit}
+        bound = _bound(languages) | {"priority": int(priority), "limit": limit}
         if session.connection().scalar(_ANYBODY, bound) is not None:
             return True
     return False
@@ -121,7 +133,7 @@ def find(
     TurnTaken
         The caller has to end the transaction, to wait for the owner and to try again.
     """
-    suitable = {"languages": sorted(languages)}
+    suitable = _bound(languages)
     for priority in order.priorities(guests_first=guests_first):
         if priority is Priority.BASELINE and not _baseline_may_start(session):
             continue

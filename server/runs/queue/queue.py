@@ -24,7 +24,7 @@ from seamark.server.messaging import workers
 from seamark.server.monitoring import meters
 from seamark.server.runs.queue import next_in_turn, order
 from seamark.server.runs.queue.next_in_turn import TurnTaken
-from seamark.server.runs.record import turns
+from seamark.server.runs.record import run_parts, turns
 from seamark.server.runs.record.columns import RunSpec
 from seamark.server.runs.record.states import RunState, move
 from seamark.server.runs.record.turns import Priority, TurnKept
@@ -71,7 +71,7 @@ def _situation() -> Select[bool, str | None, int | None, float, bool]:
 _SITUATION = _situation()
 _CLAIMED = (
     Run.queued_at,
-    *(getattr(Run, name) for name in Claim.model_fields if hasattr(Run, name)),
+    *(getattr(Run, name) for name in Claim.model_fields if name in Run.__table__.columns),
 )
 
 
@@ -146,7 +146,7 @@ def try_claim(
         waiting = meters.RUN_WAITING.labels(priority.label)
         after_commit(session, partial(waiting.observe, max(time.time() - run.queued_at, 0.0)))
     order.count_start(session, run.owner, run_id, before=passed_over, guests_wait=guests)
-    return _claim_of(run, run_id, settings)
+    return _claim_of(session, run, run_id, settings)
 
 
 def start(session: Session, run_id: int, worker: str, settings: Settings) -> None:
@@ -159,7 +159,7 @@ def started(session: Session, run_id: int, worker: str, settings: Settings) -> C
     mine = (Run.id == run_id, Run.state == RunState.RUNNING, Run.worker == worker)
     columns = (Run.owner, Run.kind, *_CLAIMED)
     run = session.execute(select(*columns).where(*mine)).one_or_none()
-    return None if run is None else _claim_of(run, run_id, settings)
+    return None if run is None else _claim_of(session, run, run_id, settings)
 
 
 def _start(session: Session, run_id: int, worker: str, settings: Settings) -> Row[Any] | None:
@@ -170,8 +170,9 @@ def _start(session: Session, run_id: int, worker: str, settings: Settings) -> Ro
     return start_run(returning=_CLAIMED, worker=worker, **lease, **reset)
 
 
-def _claim_of(run: Row[Any], run_id: int, settings: Settings) -> Claim:
+def _claim_of(session: Session, run: Row[Any], run_id: int, settings: Settings) -> Claim:
     values = dict(run._mapping) | {"run_id": run_id, "lease_s": settings.lease_s}
+    values["parts"] = tuple(run_parts.of_runs(session, [(run_id, run.benchmark)])[run_id])
     return Claim.model_validate(values)
 
 

@@ -194,11 +194,12 @@ def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: i
 
 def _obstacle(session: Session, run: Run, settings: Settings) -> str | None:
     """Return why no worker could start the run now even if it were free; None if one could."""
-    if run.language is not None:
-        if refusal := workers.upload_refusal(session, run.language, settings):
+    main = () if run.language is None else (run.language,)
+    for language in (*main, *(part.language for part in run.parts)):
+        if refusal := workers.upload_refusal(session, language, settings):
             return refusal
-        if workers.waits_for_installation(session, run.language, settings):
-            name = workers.finding_of(run.language)
+        if workers.waits_for_installation(session, language, settings):
+            name = workers.finding_of(language)
             return f"The packages for {name} are being installed. The run starts after that."
     preparation = workers.preparation(session)
     return f"{preparation} The run starts after that." if preparation else None

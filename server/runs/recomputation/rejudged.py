@@ -17,7 +17,7 @@ from seamark.programs.failure_reasons import UNCHARGED
 from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.classes import assignments
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
-from seamark.server.database.tables import Result, Run, User
+from seamark.server.database.tables import Result, Run, RunPart, User
 from seamark.server.runs.record import seeds, totals
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
@@ -34,6 +34,7 @@ _SPECIFICATION = (
     *("benchmark", "kind", "config", "seed", "trials", "controller", "program_sha256"),
     *("program_name", "language", "program_parameters", "vehicle_sha256"),
 )
+_PART = ("role", "program_sha256", "program_name", "language", "program_parameters")
 
 
 class Outcome(StrEnum):
@@ -66,6 +67,7 @@ def enqueue(
         state=RunState.QUEUED,
         queued_at=time.time(),
         data_bytes=original.data_bytes,
+        parts=[RunPart(**{name: getattr(part, name) for name in _PART}) for part in original.parts],
         **{name: getattr(original, name) for name in _SPECIFICATION},
     )
     run.trial_seeds = seeds.derived(run, settings)

@@ -27,6 +27,18 @@ class RowValues(BaseModel):
         return cls.model_validate(columns | values)
 
 
+class Part(RowValues):
+    """A further program of a run, in place of the built-in solution of its role."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    role: str
+    program_sha256: str
+    program_name: str | None
+    language: str
+    program_parameters: list[dict[str, Any]] | None = None  # as the program declares them
+
+
 class RunSpec(RowValues):
     """What is evaluated; never changes after the submission."""
 
@@ -38,6 +50,7 @@ class RunSpec(RowValues):
     controller: str
     program_name: str | None
     language: str | None
+    parts: tuple[Part, ...] = ()  # programs in further roles
 
 
 class PublicRun(RunSpec):

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 
 from seamark.sandbox.printable_text import visible_text
-from seamark.server.runs.record.solutions import HasSolution, solution
+from seamark.server.runs.record.solutions import HasTeam, solution
 
 METHOD_MAX = 60  # [character]
 _NAME_MIN = 3  # [character]; a shorter name of a person may well be a word of a method
@@ -20,9 +20,10 @@ def clean(text: str) -> str:
     return " ".join(visible_text(re.sub(r"\s+", " ", text)).split())
 
 
-def suggested(run: HasSolution, *, title: str = "") -> str:
-    """Return the name that a run may have without being asked for; empty for a user's program."""
-    return clean(title)[:METHOD_MAX] or ("" if run.program_name else solution(run)[:METHOD_MAX])
+def suggested(run: HasTeam, *, title: str = "") -> str:
+    """Return the name that a run may have without being asked for; empty with a user's program."""
+    own = run.program_name or run.parts
+    return clean(title)[:METHOD_MAX] or ("" if own else solution(run)[:METHOD_MAX])
 
 
 def refusal(name: str, *, program_name: str | None, hidden: Iterable[str] = ()) -> str:

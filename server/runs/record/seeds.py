@@ -7,7 +7,7 @@ tell the water of submissions that do not exist yet.
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -27,6 +27,17 @@ class SeedsMissing(Exception):
     """The row of a claimed run has no seeds, and this process has no key that derives them."""
 
 
+class SeededPart(Protocol):
+    """What of a further program decides the seeds."""
+
+    @property
+    def role(self) -> str: ...  # noqa: D102 - the attribute of tables.RunPart
+    @property
+    def language(self) -> str: ...  # noqa: D102
+    @property
+    def program_sha256(self) -> str: ...  # noqa: D102
+
+
 class Seeded(Protocol):
     """What decides the seeds of a run: its row and a view have it."""
 
@@ -40,6 +51,8 @@ class Seeded(Protocol):
     def language(self) -> str | None: ...  # noqa: D102
     @property
     def program_sha256(self) -> str | None: ...  # noqa: D102
+    @property
+    def parts(self) -> Sequence[SeededPart]: ...  # noqa: D102
     @property
     def seed(self) -> int | None: ...  # noqa: D102
     @property
@@ -113,9 +126,9 @@ def seeds_hidden(run: Seeded) -> bool:
 
 
 def submission_digest(run: Seeded) -> str:
-    """Return the SHA-256 over what is evaluated, without the file's name, title and notes.
+    """Return the SHA-256 over what is evaluated, without the files' names, title and notes.
 
-    The same submission always has the same digest; any change to the program or to its
+    The same submission always has the same digest; any change to one of its programs or to its
     configuration gives another one.
     """
     submitted = {
@@ -125,5 +138,7 @@ def submission_digest(run: Seeded) -> str:
         "language": run.language,
         "program": run.program_sha256,
     }
+    if run.parts:
+        submitted["parts"] = {part.role: [part.language, part.program_sha256] for part in run.parts}
     text = json.dumps(submitted, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -3,9 +3,10 @@
 Nobody can compute a run again whose program was connected over the network.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
+from seamark.sandbox.languages.language import TRACKER
 from seamark.server.database.tables import Run
 from seamark.sim import registry
 
@@ -27,9 +28,30 @@ class HasSolution(Protocol):
     def program_name(self) -> str | None: ...  # noqa: D102
 
 
-def built_in_tracker(run: HasSolution) -> str:
-    """Return the name of the built-in tracker of a run; empty if it is the program itself."""
+class HasRole(Protocol):
+    """A further program of a run, of a row or of a view."""
+
+    @property
+    def role(self) -> str: ...  # noqa: D102 - the attribute of tables.RunPart
+
+
+class HasTeam(HasSolution, Protocol):
+    """What decides the name of all that takes part in a run."""
+
+    @property
+    def parts(self) -> Sequence[HasRole]: ...  # noqa: D102 - the attribute of tables.Run
+
+
+def team(run: HasTeam) -> str:
+    """Return the name of the solution, with the roles of further programs: "PI + own detector"."""
+    return " + ".join((solution(run), *(f"own {part.role}" for part in run.parts)))
+
+
+def built_in_tracker(run: HasTeam) -> str:
+    """Return the name of the built-in tracker of a run; empty if a program is the tracker."""
     benchmark = run.benchmark
+    if any(part.role == TRACKER for part in run.parts):
+        return ""
     if benchmark in registry.BENCHMARKS and registry.benchmark(benchmark).role == "tracker":
         if run.controller not in registry.benchmark(benchmark).built_in:
             return ""

@@ -17,7 +17,7 @@ from seamark.sandbox.printable_text import printable_text
 from seamark.server.programs import vehicles
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.leaderboard.leaderboard import Rank
-from seamark.server.runs.record.solutions import entry_name, solution
+from seamark.server.runs.record.solutions import entry_name, team
 from seamark.server.runs.showing import camera_view, overlaid_series
 from seamark.server.runs.showing.compared_curves import compared_curves
 from seamark.server.runs.showing.overlaid_series import Part
@@ -91,7 +91,7 @@ def _draw_run(settings: Settings, run: RunView) -> bytes:
     if picture is not None:
         canvas.paste(picture, Box(_MARGIN, 190, 560, 392))
     chart = Box(1200 - _MARGIN - width, 330, width, 252)
-    canvas.text(solution(run), (chart.x, 230), 34, width=width, bold=True)
+    canvas.text(team(run), (chart.x, 230), 34, width=width, bold=True)
     canvas.text(_score(run), (chart.x, 280), 30, width=width)
     title, lines = _lines(settings, [run])
     canvas.chart(chart, lines)

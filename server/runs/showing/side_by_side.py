@@ -7,7 +7,7 @@ from typing import Any
 
 from seamark.programs.parameters import KEY, split
 from seamark.programs.setting_values import in_effect, label_of, text_of
-from seamark.server.runs.record.solutions import solution
+from seamark.server.runs.record.solutions import team
 from seamark.server.runs.showing.score_differences import (
     ComparedRun,
     ScoreDifference,
@@ -97,8 +97,9 @@ def _settings(runs: Sequence[ComparedRun]) -> list[SettingRow]:
     rows = [
         SettingRow("benchmark", "Benchmark", "", tuple(run.benchmark for run in runs)),
         SettingRow("kind", "Kind", "", tuple(str(run.kind) for run in runs)),
-        SettingRow("solution", "Solution", "", tuple(solution(run) for run in runs)),
+        SettingRow("solution", "Solution", "", tuple(team(run) for run in runs)),
         SettingRow(DIGEST, "Program, SHA-256", "", tuple(map(_program, runs))),
+        *_parts(runs),
         SettingRow("seed", "Seed", "", tuple(map(_seed, runs))),
         SettingRow("trials", "Trials", "", tuple(str(run.trials) for run in runs)),
     ]
@@ -128,6 +129,26 @@ def _program(run: ComparedRun) -> str | None:
     return run.program_sha256 and run.program_sha256[:_DIGEST_SHOWN]
 
 
+def _parts(runs: Sequence[ComparedRun]) -> list[SettingRow]:
+    """Return the digests of the programs in further roles."""
+    of_runs = [
+        {part.role: part.program_sha256[:_DIGEST_SHOWN] for part in run.parts} for run in runs
+    ]
+    return [
+        SettingRow(
+            f"{role}_{DIGEST}",
+            f"Own {role}, SHA-256",
+            "",
+            tuple(digests.get(role) for digests in of_runs),
+        )
+        for role in dict.fromkeys(role for digests in of_runs for role in digests)
+    ]
+
+
+def _roles(run: ComparedRun) -> list[str]:
+    return [part.role for part in run.parts]
+
+
 def _seed(run: ComparedRun) -> str | None:
     return None if run.seed is None else str(run.seed)
 
@@ -141,7 +162,7 @@ def _values(run: ComparedRun) -> dict[str, str]:
     """Return name -> text of the settings that have an effect."""
     benchmark = registry.benchmark(run.benchmark)
     config = benchmark.restore(run.config).model_dump()
-    effective = in_effect(benchmark, config, run.controller)
+    effective = in_effect(benchmark, config, run.controller, parts=_roles(run))
     return {name: label_of(entry, config[name]) for name, entry in effective.items()}
 
 

@@ -11,8 +11,8 @@ from seamark.server.classes import classrooms
 from seamark.server.database.tables import IS_LISTED, Result, Run, User
 from seamark.server.runs.data.error_curve import Curve
 from seamark.server.runs.queue import wait_estimate
-from seamark.server.runs.record import anonymity
-from seamark.server.runs.record.columns import PublicRun
+from seamark.server.runs.record import anonymity, run_parts
+from seamark.server.runs.record.columns import Part, PublicRun
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 
@@ -37,8 +37,13 @@ class RunView(PublicRun):
     manifest: dict[str, Any] | None = None
     data_run: int | None = None
     draw: int | None = None  # none that is shown has one
-    hidden_name: str = ""  # of the program of an anonymous run; its log and errors quote it
+    hidden_names: tuple[str, ...] = ()  # of an anonymous run's programs, which its log may quote
     teacher_id: int | None = None  # of the class it was submitted for; not in lists
+
+    @property
+    def has_programs(self) -> bool:
+        """Whether programs were uploaded for it: one of its benchmark's role, or parts."""
+        return self.program_sha256 is not None or bool(self.parts)
 
     @property
     def data_id(self) -> int:
@@ -63,6 +68,7 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     if rows is None:
         return None
     run, result, user = rows
+    run_parts.load(session, [run])
     teacher_id = classrooms.teacher_of(session, run_id)
     if settings is None or RunState(run.state).final:
         return view(run, result, user, teacher_id=teacher_id)
@@ -76,7 +82,8 @@ def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
     # A list shows neither: parsing the metrics of large grids would take most of its time.
     query = selection().options(defer(Result.metrics), defer(Result.manifest))
     query = query.where(Run.id.in_(run_ids), Run.deleted_at.is_(None), IS_LISTED)
-    rows = {row[0].id: view(*row) for row in session.execute(query)} if run_ids else {}
+    views = _views(session, query) if run_ids else []
+    rows = {each.id: each for each in views}
     return [rows[run_id] for run_id in run_ids if run_id in rows]
 
 
@@ -84,7 +91,13 @@ def of_sweep(session: Session, sweep_id: int) -> list[RunView]:
     """Return the runs of a sweep, cell by cell, without metrics."""
     query = selection().where(Run.sweep_id == sweep_id, Run.deleted_at.is_(None))
     query = query.options(defer(Result.metrics), defer(Result.manifest)).order_by(Run.sweep_cell)
-    return [view(*row) for row in session.execute(query)]
+    return _views(session, query)
+
+
+def _views(session: Session, query: Select[Run, Result | None, User | None]) -> list[RunView]:
+    rows = session.execute(query).all()
+    run_parts.load(session, (row[0] for row in rows))
+    return [view(*row) for row in rows]
 
 
 def selection() -> Select[Run, Result | None, User | None]:
@@ -111,15 +124,24 @@ def _masked(run: Run, detail: Mapping[str, object]) -> dict[str, object]:
     """Return what stands in place of values that tell who published a run for review."""
     if not run.anonymous:
         return {}
-    links = {"rerun_of": None, "sweep_id": None}
-    name = anonymity.file_name(run.program_name)
-    quoted = (run.program_name or "", name or "")
-    return links | {
+    parts = [Part.model_validate(part) for part in run.parts]
+    names = [name for name in (run.program_name, *(part.program_name for part in parts)) if name]
+    for name in names:
+        by = anonymity.file_name(name) or ""
+        detail = {key: anonymity.replaced(value, name, by) for key, value in detail.items()}
+    return {
+        "rerun_of": None,
+        "sweep_id": None,
         "user": anonymity.NAME,
-        "program_name": name,
-        "hidden_name": run.program_name or "",
-        "detail": {key: anonymity.replaced(value, *quoted) for key, value in detail.items()},
+        "program_name": anonymity.file_name(run.program_name),
+        "parts": tuple(map(_without_name, parts)),
+        "hidden_names": tuple(names),
+        "detail": detail,
     }
+
+
+def _without_name(part: Part) -> Part:
+    return part.model_copy(update={"program_name": anonymity.file_name(part.program_name)})
 
 
 def _shown(value: object) -> object:

@@ -17,7 +17,12 @@ SEED_REFUSAL = (
 
 
 def apply(
-    benchmark: Benchmark, sent: Mapping[str, object], config: Configuration, *, controller: str
+    benchmark: Benchmark,
+    sent: Mapping[str, object],
+    config: Configuration,
+    *,
+    controller: str,
+    parts: Collection[str] = (),
 ) -> Configuration:
     """Return the configuration of a ranked run: the benchmark's scenario, the user's solution.
 
@@ -30,6 +35,8 @@ def apply(
         they change nothing; entries that are no settings are parameters of the program.
     config
         The same, complete.
+    parts
+        Roles of further programs, which take the place of built-in solutions.
 
     Raises
     ------
@@ -38,7 +45,7 @@ def apply(
         rank.
     """
     ranked = benchmark.ranked(config)
-    effective = in_effect(benchmark, ranked.model_dump(), controller)
+    effective = in_effect(benchmark, ranked.model_dump(), controller, parts=parts)
     ranked = benchmark.ranked(benchmark.configuration.read(_chosen(ranked, effective)))
     entries = benchmark.schema()["properties"]
     errors = {
@@ -58,14 +65,19 @@ def _chosen(config: Configuration, names: Collection[str]) -> dict[str, object]:
 
 
 def with_effect(
-    benchmark: Benchmark, config: Mapping[str, object], *, controller: str
+    benchmark: Benchmark,
+    config: Mapping[str, object],
+    *,
+    controller: str,
+    parts: Collection[str] = (),
 ) -> dict[str, object]:
     """Return a stored configuration as `apply` accepts it: without settings that have no effect.
 
     Earlier versions stored those as they were sent, such as the options of another tracker.
     """
     settings = benchmark.schema()["properties"]
-    effective = in_effect(benchmark, benchmark.restore(config).model_dump(), controller)
+    restored = benchmark.restore(config).model_dump()
+    effective = in_effect(benchmark, restored, controller, parts=parts)
     return {
         name: value for name, value in config.items() if name in effective or name not in settings
     }

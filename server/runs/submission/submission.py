@@ -13,13 +13,14 @@ from functools import partial
 import structlog
 from sqlalchemy.orm import Session
 
+from seamark.programs import parts
 from seamark.programs.parameters import Parameter
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.classes import assignments
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import after_commit
-from seamark.server.database.tables import Run
+from seamark.server.database.tables import Run, RunPart
 from seamark.server.messaging import workers
 from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
@@ -72,6 +73,8 @@ def submit_all(
     submission = valid.submission
     if submission.program is not None:
         require_language(session, valid.benchmark, submission.program.language, settings)
+    for role, part in submission.parts.items():
+        require_language(session, valid.benchmark, part.language, settings, role=role)
     storage.require(settings)
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
@@ -118,7 +121,11 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
     config = old.config
     if old.kind == RunKind.RANKED:
         benchmark = find_benchmark(old.benchmark)
-        config = ranked_scenario.with_effect(benchmark, config, controller=old.controller)
+        config = ranked_scenario.with_effect(
+            *(benchmark, config),
+            controller=old.controller,
+            parts=[part.role for part in old.parts],
+        )
     submission = Submission(
         viewer=viewer,
         benchmark=old.benchmark,
@@ -126,6 +133,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         kind=RunKind(old.kind),
         controller=old.controller,
         program=program_of(old, settings),
+        parts=parts_of(old, settings),
         vehicle=vehicle_of(old, settings),
         seed=old.seed,
         trials=old.trials,
@@ -149,12 +157,15 @@ def _open_assignment(session: Session, run: Run, viewer: Viewer) -> int | None:
 
 
 def require_language(
-    session: Session, benchmark: Benchmark, language: str, settings: Settings
+    session: Session, benchmark: Benchmark, language: str, settings: Settings, *, role: str = ""
 ) -> None:
-    """Raise SubmissionRejected if programs in a language cannot run in a benchmark now."""
-    check_language(benchmark, language)
+    """Raise SubmissionRejected if programs in a language cannot run in a benchmark now.
+
+    Without a `role` it is the one of the benchmark; with one the program is a part of the run.
+    """
+    check_language(benchmark, language, role=role)
     if refusal := workers.upload_refusal(session, language, settings):
-        raise SubmissionRejected(refusal, field="program")
+        raise SubmissionRejected(refusal, field=parts.field(role) if role else "program")
 
 
 def _enter(session: Session, assignment_id: int, run: Run) -> None:
@@ -162,6 +173,20 @@ def _enter(session: Session, assignment_id: int, run: Run) -> None:
         assignments.enter(session, assignment_id, run.user_id or 0, run.id)
     except ClassRefused as refusal:
         raise SubmissionRejected(str(refusal), field=refusal.field) from None
+
+
+def parts_of(run: Run, settings: Settings) -> dict[str, StoredProgram]:
+    """Return role -> further program of a run, to be run again.
+
+    Raises
+    ------
+    SubmissionRejected
+        One has been deleted.
+    """
+    return {
+        part.role: _stored(part, settings, what=part.role, hidden=run.anonymous)
+        for part in run.parts
+    }
 
 
 def program_of(run: Run, settings: Settings) -> StoredProgram | None:
@@ -174,13 +199,18 @@ def program_of(run: Run, settings: Settings) -> StoredProgram | None:
     """
     if run.program_sha256 is None:
         return None
-    size = store.touch(settings, run.program_sha256)
+    return _stored(run, settings, what="program", hidden=run.anonymous)
+
+
+def _stored(of: Run | RunPart, settings: Settings, *, what: str, hidden: bool) -> StoredProgram:
+    sha256 = of.program_sha256 or ""
+    size = store.touch(settings, sha256)
     if size is None:
-        raise SubmissionRejected("The program of this run has been deleted.", field="program")
-    name = anonymity.file_name(run.program_name) if run.anonymous else run.program_name
-    names = (name or "", run.language or "")
-    declared = tuple(map(Parameter.from_json, run.program_parameters or ()))
-    return StoredProgram(run.program_sha256, *names, size=size, parameters=declared)
+        at = what if isinstance(of, Run) else parts.field(what)
+        raise SubmissionRejected(f"The {what} of this run has been deleted.", field=at)
+    name = anonymity.file_name(of.program_name) if hidden else of.program_name
+    declared = tuple(map(Parameter.from_json, of.program_parameters or ()))
+    return StoredProgram(sha256, name or "", of.language or "", size=size, parameters=declared)
 
 
 def vehicle_of(run: Run, settings: Settings) -> StoredVehicle | None:
@@ -224,10 +254,21 @@ def _row(valid: ValidSubmission) -> Run:
         language=program.language if program else None,
         vehicle_sha256=vehicle.sha256 if vehicle is not None and own else None,
         program_parameters=[one.to_json() for one in valid.whole.declared] or None,
+        parts=[_part(role, part) for role, part in submission.parts.items()],
         title=clean_title(submission.title),
         notes=clean_notes(submission.notes),
         rerun_of=submission.rerun_of,
         state=RunState.QUEUED,
         queued_at=time.time(),
         data_bytes=valid.size.bytes,
+    )
+
+
+def _part(role: str, program: StoredProgram) -> RunPart:
+    return RunPart(
+        role=role,
+        program_sha256=program.sha256,
+        program_name=program.name,
+        language=program.language,
+        program_parameters=[one.to_json() for one in program.parameters] or None,
     )

@@ -1,9 +1,9 @@
 """The rules of a submission that need no database, for the form, the API, checks and baselines."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from seamark.programs import configurations
+from seamark.programs import configurations, parts
 from seamark.programs.configurations import RunConfiguration
 from seamark.programs.parameters import Parameter
 from seamark.sandbox.languages import images_refusal, role_refusal
@@ -53,6 +53,7 @@ class Submission:
     kind: RunKind = RunKind.PRACTICE
     controller: str = UPLOAD
     program: StoredProgram | None = None
+    parts: Mapping[str, StoredProgram] = field(default_factory=dict)  # role -> further program
     vehicle: StoredVehicle | None = None  # the user's own, practice only; `config` may name it
     seed: int | None = None  # practice only; None: drawn
     trials: int | None = None  # practice only; None: one
@@ -100,11 +101,12 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
     whole = configurations.read(benchmark, submission.config, declared)
     config = whole.settings
-    uploads = "program" if program is not None else "vehicle" if submission.vehicle else ""
-    require_permission(submission.viewer, kind=submission.kind, uploads=uploads)
+    require_permission(submission.viewer, kind=submission.kind, uploads=_first_upload(submission))
     if submission.kind is RunKind.RANKED:
         chosen = submission.controller
-        config = ranked_scenario.apply(benchmark, submission.config, config, controller=chosen)
+        config = ranked_scenario.apply(
+            *(benchmark, submission.config, config), controller=chosen, parts=submission.parts
+        )
         trials = _ranked_trials(submission, benchmark)
     else:
         trials = _practice_trials(submission, settings)
@@ -119,10 +121,14 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
     else:
         check_language(benchmark, submission.program.language)
         _check_images(config, submission.program.language)
+    for role, part in submission.parts.items():
+        check_part(benchmark, role)
+        check_language(benchmark, part.language, role=role)
+    programs = [one for one in (program, *submission.parts.values()) if one is not None]
     size = run_size.estimate(
         config,
         trials=trials,
-        program_bytes=None if program is None else program.size,
+        program_bytes=sum(one.size for one in programs) if programs else None,
         vehicle_bytes=0 if submission.vehicle is None else len(submission.vehicle.content),
     )
     refusal = size.refusal(settings.run_max_bytes)
@@ -143,21 +149,41 @@ def require_permission(
 ) -> None:
     """Raise SubmissionRejected if the viewer may not submit such a run.
 
-    `uploads` is what is uploaded for it: "program" or "vehicle".
+    `uploads` is what is uploaded for it: "program", "vehicle" or the role of a part.
     """
     if kind is RunKind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
         raise AccountNeeded("A ranked run needs an account: the leaderboard shows its name.")
     if uploads and not can(viewer, Action.UPLOAD):
-        raise AccountNeeded(f"Uploading a {uploads} needs an account.", field=uploads)
+        at = parts.field(uploads) if uploads in parts.ROLES else uploads
+        raise AccountNeeded(f"Uploading a {uploads} needs an account.", field=at)
     if not can(viewer, Action.SUBMIT):
         raise SignInNeeded("Sign in, or allow cookies: a guest's runs are found by a cookie.")
 
 
-def check_language(benchmark: Benchmark, language: str) -> None:
-    """Raise SubmissionRejected if no program in this language can have the benchmark's role."""
+def check_part(benchmark: Benchmark, role: str) -> None:
+    """Raise SubmissionRejected if a run of the benchmark has no part with this role."""
+    if refusal := parts.refusal(benchmark, role):
+        raise SubmissionRejected(refusal, field=parts.field(role))
+
+
+def check_language(benchmark: Benchmark, language: str, *, role: str = "") -> None:
+    """Raise SubmissionRejected if no program in this language can have the role.
+
+    Without a `role` it is the one of the benchmark; with one the program is a part of the run.
+    """
+    if role and (refusal := role_refusal(language, role)):
+        raise SubmissionRejected(refusal, field=parts.field(role))
     if refusal := role_refusal(language, benchmark.role):
         sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
         raise SubmissionRejected(sentence, field="program")
+
+
+def _first_upload(submission: Submission) -> str:
+    """Return the first of what is uploaded, as `require_permission` names it; empty if nothing."""
+    if submission.program is not None:
+        return "program"
+    vehicle = ("vehicle",) if submission.vehicle is not None else ()
+    return next(iter((*submission.parts, *vehicle)), "")
 
 
 def _check_images(config: Configuration, language: str) -> None:

@@ -25,7 +25,7 @@ from seamark.server.database.queue_tables import Counter
 from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.submission_tables import KeyOfSubmission, SeenSubmission
-from seamark.server.database.tables import Worker
+from seamark.server.database.tables import RunPart, Worker
 from seamark.server.messaging import workers
 from seamark.server.programs import check_queue
 from seamark.server.settings import Settings
@@ -98,6 +98,8 @@ def _fill(backend: Backend) -> None:
         session.add(KeyOfSubmission(user_id=ann, key="k", request="r", **first))
         session.add(SeenSubmission(submission="s", run_id=1, digest="d", seen_at=1.0))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
+        part = {"role": "tracker", "program_sha256": "0" * 64, "program_name": "mine.c"}
+        session.add(RunPart(run_id=1, language="c", **part))
         session.add(RejudgedRun(run_id=2, rejudgement_id=1))
         session.add(Verification(again_id=2, run_id=1, requested_at=1.0))
         session.add(Counter(name="simulated_s", value=1.0))

@@ -322,6 +322,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/runs/<int:run_id>/vehicle.toml"): Entry(
         reads_run, path="/api/v1/runs/{run}/vehicle.toml", run="own vehicle"
     ),
+    ("GET", "/api/v1/runs/<int:run_id>/parts/<role>"): Entry(
+        reads_run, path="/api/v1/runs/{run}/parts/tracker", run="own tracker"
+    ),
     ("POST", "/api/v1/vehicles/check"): Entry(uploads, options=VEHICLE_FILE),
     ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),
     ("GET", "/compare/preview.jpg"): Entry(

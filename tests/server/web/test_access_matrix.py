@@ -22,6 +22,7 @@ from seamark.server.runs.downloads.conversions import Conversions
 from seamark.server.web import authentication
 from seamark.server.web.asgi import APART
 from tests.cast import Backend
+from tests.part_programs import BENCHMARK, TRACKER
 from tests.server.api.conftest import Site
 from tests.server.web.callers import (
     CALLERS,
@@ -120,6 +121,9 @@ class Objects:
         if state == "own vehicle":
             vehicle = self._site.store_vehicle()
             return self._site.recorded(vehicle=vehicle, config={"vehicle": vehicle.name})
+        if state == "own tracker":
+            tracker = self._site.store_program(TRACKER, role="tracker")
+            return self._site.recorded(benchmark=BENCHMARK, parts={"tracker": tracker})
         run_id = self._site.recorded()
         if state == "recorded":
             return run_id

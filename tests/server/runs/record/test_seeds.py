@@ -24,11 +24,17 @@ def _run(**changes: object) -> SimpleNamespace:
         "controller": "upload",
         "language": "python",
         "program_sha256": "ab" * 32,
+        "parts": (),
         "seed": None,
         "trials": TRIALS,
         "submission": None,
         "draw": None,
     }
+    return SimpleNamespace(**(values | changes))
+
+
+def _part(role: str, language: str = "c", **changes: object) -> SimpleNamespace:
+    values = {"role": role, "language": language, "program_sha256": "cd" * 32}
     return SimpleNamespace(**(values | changes))
 
 
@@ -72,6 +78,7 @@ def test_reference_trials_have_the_public_seed_and_fresh_trials_one_each(
         {"language": "octave"},
         {"controller": "pi", "program_sha256": None, "language": None},
         {"benchmark": "visibility-v2"},
+        {"parts": (_part("tracker"),)},
     ],
 )
 def test_any_change_of_a_submission_changes_all_of_its_fresh_seeds(
@@ -80,6 +87,20 @@ def test_any_change_of_a_submission_changes_all_of_its_fresh_seeds(
     one, other = trial_seeds(_run(), settings), trial_seeds(_run(**change), settings)
 
     assert not {one(trial) for trial in FRESH} & {other(trial) for trial in FRESH}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        _part("detector"),
+        _part("tracker", language="cpp"),
+        _part("tracker", program_sha256="ce" * 32),
+    ],
+)
+def test_any_change_of_a_part_is_another_submission(other: SimpleNamespace) -> None:
+    run = _run(parts=(_part("tracker"),))
+
+    assert submission_digest(run) != submission_digest(_run(parts=(other,)))
 
 
 def test_the_same_submission_has_the_same_digest_whatever_it_is_called(
