@@ -12,12 +12,14 @@ from seamark.programs import parts
 from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.settings import Settings
+from seamark.sim import registry
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 FORM_MAX_BYTES = 128 * 1024  # of a body without a program: URL-encoded, JSON or multipart
 JSON_MAX_BYTES = 64 * 1024  # of a JSON document; the configuration of a large grid takes 10 KiB
 FIELD_MAX = 16 * 1024  # [character] of a form's field, except for the text of a program
 EDITOR_FIELD = "program_text"
+_PROGRAMS_MAX = 1 + len(parts.ROLES)  # of one run
 _MULTIPART = "multipart/form-data"
 _FORMS = (_MULTIPART, "application/x-www-form-urlencoded")
 
@@ -28,7 +30,8 @@ def register(app: Flask, settings: Settings) -> None:
     @app.before_request
     def limit_body() -> None:
         uploads = request.mimetype == _MULTIPART and can(g.viewer, Action.UPLOAD)
-        files, text = (_files_max(settings), TEXT_MAX_BYTES) if uploads else (0, 0)
+        files = _files_max(settings, _programs_max()) if uploads else 0
+        text = TEXT_MAX_BYTES if uploads else 0
         request.max_content_length = FORM_MAX_BYTES + files
         # Each field that is no file; the editor sends the text of a program as one.
         request.max_form_memory_size = FORM_MAX_BYTES + text
@@ -46,12 +49,20 @@ def register(app: Flask, settings: Settings) -> None:
 def body_max(settings: Settings, content_type: str) -> int:
     """Return the largest body [byte] of this type that anybody may send; no more is received."""
     uploads = content_type.startswith(_MULTIPART)
-    return FORM_MAX_BYTES + (_files_max(settings) if uploads else 0)
+    return FORM_MAX_BYTES + (_files_max(settings, _PROGRAMS_MAX) if uploads else 0)
 
 
-def _files_max(settings: Settings) -> int:
-    """Return the size [byte] of the largest programs of all roles with the largest vehicle."""
-    return (1 + len(parts.ROLES)) * settings.upload_max_bytes + VEHICLE_MAX_BYTES
+def _files_max(settings: Settings, programs: int) -> int:
+    """Return the size [byte] of so many of the largest programs with the largest vehicle."""
+    return programs * settings.upload_max_bytes + VEHICLE_MAX_BYTES
+
+
+def _programs_max() -> int:
+    """Return how many programs this request may send: the form of a benchmark has its parts."""
+    if request.path.startswith("/api/"):
+        return _PROGRAMS_MAX
+    name = (request.view_args or {}).get("name")
+    return 1 + len(registry.benchmark(name).parts) if name in registry.BENCHMARKS else 1
 
 
 def form_fields() -> dict[str, str]:

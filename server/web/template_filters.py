@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 from flask import Flask
 
+from seamark.sandbox.languages import LANGUAGES
 from seamark.server.runs.data.error_curve import UNITS, error_column
 from seamark.server.runs.data.run_size import size
 from seamark.server.runs.record.qualifier import qualifier
-from seamark.server.runs.record.solutions import entry_name, solution
+from seamark.server.runs.record.solutions import entry_name, solution, team
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
 
@@ -26,10 +27,10 @@ class _Headline(NamedTuple):
 
 
 def register(app: Flask) -> None:
-    """Add the functions below, `solution`, `entry_name` and `qualifier` as filters."""
-    of_runs = (solution, entry_name, qualifier, score_unit, error_unit, changed_scenario)
+    """Add the functions below, `solution`, `team`, `entry_name` and `qualifier` as filters."""
+    of_runs = (solution, team, entry_name, qualifier, score_unit, error_unit, changed_scenario)
     of_scores = (score, signed)
-    of_values = (number, plain, ordinal, duration, about, size, words)
+    of_values = (number, plain, ordinal, duration, about, size, words, language)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
 
@@ -89,6 +90,11 @@ def number(value: object, digits: int = 3) -> str:
 def plain(value: float | None) -> str:
     """Return a number without trailing zeros."""
     return "–" if value is None else f"{value:g}".replace("-", "−")
+
+
+def language(name: str) -> str:
+    """Return the label of a language of programs, also of one that an earlier version had."""
+    return LANGUAGES[name].label if name in LANGUAGES else name
 
 
 def ordinal(value: int) -> str:

@@ -147,7 +147,7 @@ def _terms() -> Terms:
 
 
 def _done(run: RunView, terms: Terms) -> str:
-    with_program = " with its program" if terms.program and run.program_sha256 else ""
+    with_program = " with its program" if terms.program and run.has_programs else ""
     how = ", without your name" if terms.anonymous else ""
     return f"The run is now public{with_program}{how}."
 

@@ -1,5 +1,6 @@
 """What the form of a new run shows at first: defaults, presets of the URL, or an earlier run."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from flask import g, request
@@ -17,13 +18,14 @@ from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission.submission import program_of
+from seamark.server.runs.submission.submission import parts_of, program_of
 from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.web import class_access
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
 
+_DELETED = "it has been deleted"
 EDITED_MAX_BYTES = 256 * 1024  # a larger program is kept as a file, not shown in the editor
 
 
@@ -34,6 +36,7 @@ class Prefill:
     values: dict[str, object]  # setting -> value; the others have their defaults
     posted: dict[str, str] = field(default_factory=dict)  # the other fields of the form
     program: StoredProgram | None = None  # kept, so that no file has to be chosen again
+    parts: Mapping[str, StoredProgram] = field(default_factory=dict)  # role -> program, kept too
     vehicle: StoredVehicle | None = None  # kept too
     note: str = ""  # a sentence: where it is from, and what is missing
 
@@ -98,13 +101,30 @@ def _requested_run(benchmark: Benchmark) -> RunView | None:
 def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
     """Return the form of a run: the same program, configuration, kind and seed."""
     vehicle, why_not = _vehicle(run)
-    shown = _with_program(benchmark, run)
+    shown = _with_parts(_with_program(benchmark, run), run)
     if not why_not:
         return replace(shown, vehicle=vehicle)
     values = {name: value for name, value in shown.values.items() if name != vehicles.FIELD}
     return replace(
         shown, values=values, note=f"{shown.note} It does not have its vehicle: {why_not}."
     )
+
+
+def _with_parts(shown: Prefill, run: RunView) -> Prefill:
+    """Return the form with the further programs of a run, or with a note about those it lacks."""
+    if not run.parts:
+        return shown
+    own = " and ".join(f"own {part.role}" for part in run.parts)
+    why_not = _why_not(run)
+    if not why_not:
+        try:
+            with services().database.reading() as session:
+                kept = parts_of(session.get_one(Run, run.id), services().settings)
+        except SubmissionRejected:
+            why_not = _DELETED
+        else:
+            return replace(shown, parts=kept)
+    return replace(shown, note=f"{shown.note} It does not have its {own}: {why_not}.")
 
 
 def _with_program(benchmark: Benchmark, run: RunView) -> Prefill:
@@ -160,6 +180,7 @@ def _for_assignment(
             "trials": "" if assignment.is_ranked else str(assignment.trials),
         },
         program=None if first is None else first.program,
+        parts={} if first is None else first.parts,
         note="" if first is None else first.note,
     )
 
@@ -178,15 +199,20 @@ def _vehicle(run: RunView) -> tuple[StoredVehicle | None, str]:
 
 def _program(run: RunView) -> tuple[StoredProgram | None, str]:
     """Return the program of a run, or why the viewer cannot run it again."""
-    if not can(g.viewer, Action.UPLOAD):
-        return None, "uploading one needs an account"
-    if not can(g.viewer, Action.VIEW_PROGRAM, run):
-        return None, "only its owner may read it"
+    if why_not := _why_not(run):
+        return None, why_not
     try:
         with services().database.reading() as session:
             return program_of(session.get_one(Run, run.id), services().settings), ""
     except SubmissionRejected:
-        return None, "it has been deleted"
+        return None, _DELETED
+
+
+def _why_not(run: RunView) -> str:
+    """Return why the viewer cannot run the programs of a run again; empty if they may."""
+    if not can(g.viewer, Action.UPLOAD):
+        return "uploading one needs an account"
+    return "" if can(g.viewer, Action.VIEW_PROGRAM, run) else "only its owner may read it"
 
 
 def _in_editor(benchmark: Benchmark, program: StoredProgram) -> dict[str, str]:

@@ -1,9 +1,12 @@
 """Submit a run: the form of a benchmark."""
 
+from dataclasses import replace
+
 from flask import Blueprint, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.programs import archives, declarations, file_types, trial_limits
+from seamark.programs.parts import field as part_field
 from seamark.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
 from seamark.server.accounts.permissions import Action, can
@@ -13,6 +16,7 @@ from seamark.server.pages.benchmark import form_fields
 from seamark.server.pages.submission import (
     own_parameters,
     prefill,
+    submitted_parts,
     submitted_program,
     submitted_vehicle,
     sweep_fields,
@@ -61,14 +65,19 @@ def create(name: str) -> ResponseReturnValue:
     values = form_fields.read(benchmark.schema(), posted)
     program: StoredProgram | None = None
     vehicle: StoredVehicle | None = None
+    parts: dict[str, StoredProgram] = {}
     errors: dict[str, str] = {}
     status = 422
     try:
         if posted.get("controller") == UPLOAD:
             program, errors = _program(benchmark, posted)
+        parts, errors_of_parts = submitted_parts.save(benchmark, posted)
+        errors |= errors_of_parts
         vehicle = submitted_vehicle.save(values, posted)
         values |= {} if vehicle is None else {vehicles.FIELD: vehicle.name}
-        address = _start(_submission(benchmark, values, posted, program, vehicle), posted)
+        sent = _submission(benchmark, values, posted, program, vehicle)
+        sent = replace(sent, parts=parts)
+        address = _start(sent, posted, only_check=bool(errors_of_parts))
     except ConfigurationInvalid as refusal:
         errors = refusal.errors | errors
     except VehicleRejected as refusal:
@@ -81,16 +90,22 @@ def create(name: str) -> ResponseReturnValue:
         status, errors = 503, {"": str(refusal)}
     if errors:
         left = submitted_vehicle.without_lost(values, vehicle)
-        shown = Prefill(values=left, posted=posted, program=program, vehicle=vehicle)
+        shown = Prefill(values=left, posted=posted, program=program, parts=parts, vehicle=vehicle)
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(address, code=303)
 
 
-def _start(sent: Submission, posted: dict[str, str]) -> str:
-    """Submit the run of a form, or its sweep, and return the address of its page."""
+def _start(sent: Submission, posted: dict[str, str], *, only_check: bool) -> str:
+    """Submit the run of a form, or its sweep, and return the address of its page.
+
+    With `only_check` nothing starts, but what is wrong with the rest of the form is raised.
+    """
     settings, database = services().settings, services().database
     axes = sweep_fields.read(posted)
+    if only_check:
+        validation.validate(sent, settings)
+        return ""
     if not axes:
         valid = validation.validate(sent, settings)
         with database.writing() as session:
@@ -172,6 +187,7 @@ def _show(
     given = {**values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
+    fields |= set(map(part_field, benchmark.parts))
     general = [text for name, text in errors.items() if name not in fields]
     groups = form_fields.groups(schema, values, errors, order=benchmark.groups)
     with services().database.reading() as session:
@@ -203,7 +219,17 @@ def _show(
         errors=errors,
         parameters=shown,
         sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
-        kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
+        kept=kept
+        and {
+            "program": kept,
+            "token": submitted_program.token(kept, benchmark.role),
+        },
+        parts=submitted_parts.fields(
+            benchmark,
+            [name for name, refusal in refusals.items() if not refusal],
+            prefilled.parts,
+            errors,
+        ),
         vehicle_max=VEHICLE_MAX_BYTES,
         kept_vehicle=prefilled.vehicle and submitted_vehicle.token(prefilled.vehicle),
         archives=archives.SUFFIXES,

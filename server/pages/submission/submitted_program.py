@@ -40,17 +40,17 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
         return _save(benchmark, cast(BinaryIO, file.stream), file.filename)
     if posted.get("source") == "editor":
         return _save_text(benchmark, posted)
-    kept = _kept(benchmark, posted.get(FIELD, ""))
-    if kept is None:
+    program = kept(posted.get(FIELD, ""), benchmark.role)
+    if program is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")
-    return kept
+    return program
 
 
-def token(benchmark: Benchmark, program: StoredProgram) -> str:
-    """Return the value of the hidden field for a stored program."""
+def token(program: StoredProgram, role: str) -> str:
+    """Return the value of the field by which the form keeps a stored program."""
     fields = [program.sha256, program.name, program.language, program.size]
     declared = [one.to_json() for one in program.parameters]
-    return str(_signer().dumps([*fields, declared, benchmark.role, g.viewer.user_id]))
+    return str(_signer().dumps([*fields, declared, role, g.viewer.user_id]))
 
 
 def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
@@ -66,14 +66,14 @@ def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgra
     return uploads.store_program(stream, filename, viewer=g.viewer, role=benchmark.role)
 
 
-def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
-    """Return the program of a hidden field if it belongs to this user and is still stored."""
+def kept(text: str, role: str) -> StoredProgram | None:
+    """Return the program that a form has kept if it is this user's and is still stored."""
     try:
         signed = _signer().loads(text, max_age=int(VALID_S))
-        sha256, name, language, size, declared, role, user_id = signed
+        sha256, name, language, size, declared, signed_role, user_id = signed
     except (BadData, ValueError):
         return None
-    if (role, user_id) != (benchmark.role, g.viewer.user_id):
+    if (signed_role, user_id) != (role, g.viewer.user_id):
         return None
     if store.touch(services().settings, sha256) is None:
         return None

@@ -61,7 +61,8 @@ def test_a_private_run_and_one_that_does_not_exist_get_the_same_answer(site: Sit
     for rule, method in routes:
         answers = []
         for run_id in (private, missing):
-            built = rule.build({"run_id": run_id})
+            values = {"run_id": run_id, "role": "tracker"}
+            built = rule.build(values, append_unknown=False)
             assert built is not None
             path = f"{built[1]}?with={run_id}"
             answer = browser.client.open(
