@@ -1,7 +1,5 @@
 """`face` and `outline`: a coarse search for places, a fit of the picture, and reading."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -21,6 +19,7 @@ from seamark.sim.detectors.faces.picture import (
     LETTERS,
     RIGHT,
     UNKNOWN,
+    Pictures,
     Texels,
     pictures,
 )
@@ -31,26 +30,17 @@ from seamark.sim.detectors.template.matching import octaves
 from seamark.sim.numerics.libm import cos, exp, sin
 
 LABEL = "box"
-_SOFT, _SHARP = 3.0, 1.0  # [px] over which the edge of a face goes, E
+_COARSE = 0.1  # of the length of a face, over which its edge goes at first, E
+_SOFT, _SHARP = 3.0, 1.0  # [px] likewise, and at last
 _FEW_PX, _MANY_PX = 25.0, 45.0  # pixels along a face that a fit looks at, E
 _EITHER_STEPS, _SOFT_STEPS, _SHARP_STEPS, _READ_STEPS = 3, 2, 2, 1  # E
 _PASSES = 2  # of reading, E
-_FITTED = 5  # places, E
-_PROMISING = 0.10  # E: agreement of an unsharp picture from which a place is looked at closely
+_PROMISING = 0.17  # E: agreement of an unsharp picture from which a place is looked at closely
 _UNSURE, _SURE = 0.30, 0.45  # E: agreement at which a place is no box, and surely one
 _BLANK, _LETTERED = 0.15, 0.35  # E: likewise, on the face alone
 _TRUST = 0.5  # E: in what the letters say; pixels are off together
 _LENGTHS_PX = (16.0, 100.0)  # of a face, E
 _SAME = 0.3  # intersection over union from which two answers are one
-
-
-class Found(NamedTuple):
-    """A face, or what looks like one."""
-
-    at: Map
-    agreement: float
-    printed: float
-    evidence: float  # for the right letters
 
 
 class OutlineDetector:
@@ -65,19 +55,19 @@ class OutlineDetector:
         """Return the boxes of an image."""
         whole = np.ascontiguousarray(grey(image))
         images = octaves(whole)
+        poses = candidates(whole, images, self._shape)
         found = []
-        for u, v, length, heading in candidates(whole, images, self._shape)[:_FITTED].tolist():
-            x, y = length * cos(heading), length * sin(heading)
-            one = _examined(images[0], Map(u, v, x, y, -y, x), *self._pictures, self._reads)
-            confidence = self._confidence(one)
+        for row in _examined(images[0], poses, self._pictures, self._reads).tolist():
+            confidence = self._confidence(*row[6:])
             if confidence > 0.0:
-                found.append(Detection(LABEL, _corners(one.at), confidence))
+                found.append(Detection(LABEL, _corners(Map(*row[:6])), confidence))
         return first_apart(most_confident(found), _SAME)
 
-    def _confidence(self, one: Found) -> float:
-        fit = (one.agreement - _UNSURE) / (_SURE - _UNSURE)
-        printed = (one.printed - _BLANK) / (_LETTERED - _BLANK)
-        return min(max(min(fit, printed), 0.0), 1.0)
+    def _confidence(self, agreement: float, printed: float, _evidence: float) -> float:
+        """Return the confidence that a place is such a box."""
+        fit = (agreement - _UNSURE) / (_SURE - _UNSURE)
+        lettered = (printed - _BLANK) / (_LETTERED - _BLANK)
+        return min(max(min(fit, lettered), 0.0), 1.0)
 
 
 class FaceDetector(OutlineDetector):
@@ -85,33 +75,54 @@ class FaceDetector(OutlineDetector):
 
     _reads = True
 
-    def _confidence(self, one: Found) -> float:
-        box = super()._confidence(one)
-        return box / (1.0 + exp(-_TRUST * box * one.evidence))
+    def _confidence(self, agreement: float, printed: float, evidence: float) -> float:
+        box = super()._confidence(agreement, printed, evidence)
+        return box / (1.0 + exp(-_TRUST * box * evidence))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _examined(
-    image: Plane, at: Map, sharp: Texels, soft: Texels, either: Texels, reads: bool
-) -> Found:
-    """Return the face near a place, the right way up."""
-    none, unknown = np.zeros(LETTERS, np.int64), np.full(LETTERS, UNKNOWN)
-    at, fit, printed = _fitted(image, at, Look(either, none, _SOFT, _FEW_PX), _EITHER_STEPS)
-    if fit < _PROMISING:
-        return Found(at, 0.0, 0.0, 0.0)
-    look = Look(soft, none, _SOFT, _FEW_PX)
+    image: Plane, poses: NDArray[np.float64], known: Pictures, reads: bool
+) -> NDArray[np.float64]:
+    """Return what is near the places that look most like a face, (n, 9).
+
+    The six numbers of its map, its agreement with the picture of a face, that on the face alone,
+    and the evidence for the right letters.
+    """
+    none = np.zeros(LETTERS, np.int64)
+    out = np.zeros((poses.shape[0], 9))
+    for k in range(poses.shape[0]):
+        x, y = poses[k, 2] * cos(poses[k, 3]), poses[k, 2] * sin(poses[k, 3])
+        at = Map(poses[k, 0], poses[k, 1], x, y, -y, x)
+        look = Look(known.either, none, max(_SOFT, _COARSE * poses[k, 2]), _FEW_PX)
+        for _ in range(_EITHER_STEPS):
+            at = step(image, at, look)
+        at, out[k, 6], out[k, 7], out[k, 8] = _closely(image, at, known, reads)
+        out[k, :6] = at
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _closely(
+    image: Plane, at: Map, known: Pictures, reads: bool
+) -> tuple[Map, float, float, float]:
+    """Return a row of `_examined` for one place: which way up it is, and what it says."""
+    look = Look(known.soft, np.zeros(LETTERS, np.int64), _SOFT, _FEW_PX)
     turned = Map(at.u, at.v, -at.ax, -at.ay, -at.bx, -at.by)
     if _fitted(image, turned, look, 0)[1] > _fitted(image, at, look, 0)[1]:
         at = turned
     at, fit, printed = _fitted(image, at, look, _SOFT_STEPS)
     length = np.sqrt(at.ax * at.ax + at.ay * at.ay)
     if min(fit, printed) < _PROMISING or not _LENGTHS_PX[0] < length < _LENGTHS_PX[1]:
-        return Found(at, 0.0, 0.0, 0.0)
-    at, fit, printed = _fitted(image, at, Look(sharp, unknown, _SHARP, _MANY_PX), _SHARP_STEPS)
+        return at, 0.0, 0.0, 0.0
+    unknown = np.full(LETTERS, UNKNOWN)
+    at, fit, printed = _fitted(
+        image, at, Look(known.sharp, unknown, _SHARP, _MANY_PX), _SHARP_STEPS
+    )
     if not reads or fit < _UNSURE or printed < _BLANK:
-        return Found(at, fit, printed, 0.0)
-    at, likelier = _read(image, at, sharp, unknown)
-    return Found(at, fit, printed, likelier)
+        return at, fit, printed, 0.0
+    at, likelier = _read(image, at, known.sharp, unknown)
+    return at, fit, printed, likelier
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

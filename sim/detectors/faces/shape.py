@@ -4,6 +4,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.detectors.faces.picture import HALF_LENGTH, HALF_WIDTH, pictures
@@ -12,15 +13,16 @@ from seamark.sim.detectors.template.matching import Octaves, compare, refine
 from seamark.sim.detectors.template.search import Prototypes, places, turned
 from seamark.sim.numerics.libm import PI
 
-_LENGTHS_PX = (25.0, 31.0, 39.0, 48.0, 60.0, 75.0)  # of faces, levels of the search
+_LENGTHS_PX = (26.0, 34.0, 44.0, 56.0, 72.0)  # of faces, levels of the search
 _TURNS = 8  # headings in half a turn, E
-_SIDE = 8  # [cell] of the window of the search
+_SIDE = 10  # [cell] of the window of the search
 _GROUND = 0.5  # E: how bright the ground is, from ink to paint
 _SUBSAMPLES = 4  # along a cell
 _PLACES = 5  # of each length, E
-_REFINED = 8  # E: more cost time and find nothing else
+_REFINED = ((14, 1), (4, 2))  # E: places and passes, first many places roughly
+_LEAST = 0.5  # E: of a hundred faces one is less alike, and half of what are none
 _NEAR = 0.25  # lengths, E: two places that are nearer are one if their lengths are alike, too
-_ALIKE = 1.35  # E
+_ALIKE = 1.2  # E
 _KIND = np.zeros(1, np.int64)
 
 
@@ -35,22 +37,35 @@ def candidates(image: NDArray[np.uint8], images: Octaves, shape: Shape) -> NDArr
     """Return the poses (n, 4) at which faces may be, the most likely first."""
     prototypes, patch = shape
     poses = places(image, (prototypes,), _PLACES)
-    poses = _ranked(poses, compare(images, poses, patch, _KIND).values[:, 0])[:_REFINED]
-    refine(images, poses, patch, np.zeros(len(poses), np.int64))
-    return _ranked(poses, compare(images, poses, patch, _KIND).values[:, 0])
+    for most, passes in _REFINED:
+        poses = _ranked(poses, compare(images, poses, patch, _KIND).values[:, 0], most)
+        refine(images, poses, patch, np.zeros(len(poses), np.int64), passes)
+    likeness = compare(images, poses, patch, _KIND).values[:, 0]
+    alike = likeness > _LEAST
+    return _ranked(poses[alike], likeness[alike], len(poses))
 
 
-def _ranked(poses: NDArray[np.float64], likeness: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ranked(
+    poses: NDArray[np.float64], likeness: NDArray[np.float64], most: int
+) -> NDArray[np.float64]:
     """Return the poses, the most likely first, without those that are almost as another one."""
-    kept: list[list[float]] = []
-    for u, v, length, heading in poses[np.argsort(-likeness, kind="stable")].tolist():
-        near = _NEAR * length
-        if not any(
-            abs(u - x) < near and abs(v - y) < near and max(length, of) < _ALIKE * min(length, of)
-            for x, y, of, _ in kept
-        ):
-            kept.append([u, v, length, heading])
-    return np.array(kept).reshape(-1, 4)
+    return _apart(poses[np.argsort(-likeness, kind="stable")], most)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _apart(poses: NDArray[np.float64], most: int) -> NDArray[np.float64]:
+    kept = np.empty((most, poses.shape[1]))
+    n = 0
+    for pose in poses:
+        alone = True
+        for other in kept[:n]:
+            away = max(abs(pose[0] - other[0]), abs(pose[1] - other[1]))
+            long, short = max(pose[2], other[2]), min(pose[2], other[2])
+            alone = alone and (away >= _NEAR * pose[2] or long >= _ALIKE * short)
+        if alone and n < most:
+            kept[n] = pose
+            n += 1
+    return kept[:n]
 
 
 @lru_cache(maxsize=1)

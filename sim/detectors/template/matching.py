@@ -115,7 +115,11 @@ def compare(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def refine(
-    images: Octaves, poses: NDArray[np.float64], patches: Patches, looks: NDArray[np.int64]
+    images: Octaves,
+    poses: NDArray[np.float64],
+    patches: Patches,
+    looks: NDArray[np.int64],
+    passes: int = _PASSES,
 ) -> None:
     """Move each pose to where the image is more like its look: coordinate by coordinate."""
     patch = np.empty((1, CELLS), np.float32)
@@ -123,7 +127,7 @@ def refine(
         pose = Pose(poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3])
         _take(images, pose, patch)
         best, step = _likeness(patch, patches, looks[k]), 1.0
-        for _ in range(_PASSES):
+        for _ in range(passes):
             for way in range(_WAYS):
                 trial = _moved(pose, way, step)
                 _take(images, trial, patch)
