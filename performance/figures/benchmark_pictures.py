@@ -27,7 +27,10 @@ AT_WORK_S = {
     "recover-v1": 9.0,
     "valve-v1": 16.0,
     "connect-v1": 26.0,
+    "mission-v1": 18.0,
 }  # into a level of an arm's benchmark
+AT_WORK: dict[str, str] = {"mission-v1": "chain"}  # what works there, if not the scripted entry
+CLEAR = {"mission-v1": {"loop1_values": [0.2]}}  # settings of the one level that is shown
 LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the first one's water
 
 
@@ -70,11 +73,12 @@ def off_station(name: str) -> CameraFrame:
 
 
 def at_work(name: str, time_s: float) -> CameraFrame:
-    """Return what the camera sees as the scripted entry works with the arm."""
+    """Return what the camera sees as a built-in entry works with the arm."""
     benchmark = registry.benchmark(name)
-    config = benchmark.read({"levels": [0.1], "level_duration_s": time_s})
+    only = {"levels": [0.1], "level_duration_s": time_s}
+    config = benchmark.read(only | CLEAR.get(name, {}))
     rows: list[Rows] = []
-    solution = benchmark.load().built_in("scripted", config)
+    solution = benchmark.load().built_in(AT_WORK.get(name, "scripted"), config)
     run_trial(name, config, solution, seed=SEED, trial=0, on_rows=rows.append)
     return Replay(name, config, lambda _trial: SEED).frame(rows[-1][-1])
 

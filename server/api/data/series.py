@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from seamark.server.runs.data.files import RunFiles
 
-COLUMNS_MAX = 64
+COLUMNS_MAX = 96
 VALUES_MAX = 320_000  # of a response: more columns have fewer points
 _DIGITS = 7  # significant ones; telemetry.csv has all
 _SAME_TIME_S = 1e-6
