@@ -19,7 +19,7 @@ _GRID = GridSettings.model_fields
 _INHERITED = InterventionSettings.model_fields
 
 
-class MissionConfiguration(SearchSettings, InterventionSettings):
+class MissionConfiguration(InterventionSettings, SearchSettings):
     """Settings of mission-v1. Seed, trials and controller are not part of it."""
 
     levels: tuple[float, ...] = override(

@@ -27,11 +27,22 @@ def test_a_row_has_how_often_the_work_was_done_at_each_speed_and_both_halves() -
     done = (1.0, 0.75, 0.5, 0.25, 0.125, 0.0)
     one = Measured(seed=1, scores=(0.1, 0.2, 0.3, 0.4), levels={"completed": done})
 
-    cells = columns((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), one)
+    cells = columns((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), (), one)
 
     assert [*cells.values()][: len(done)] == ["100", "75", "50", "25", "12", "0"]
     assert [*cells][1] == "done at 0.1 m/s, %"
     assert (cells["first half"], cells["second half"]) == ("0.150", "0.350")
+
+
+def test_a_grid_has_the_mean_of_the_levels_at_each_speed_and_of_all_for_further_metrics() -> None:
+    levels = {"completed": (1.0, 0.5, 0.5, 0.0), "wrong": (0.0, 0.5, 0.5, 0.0)}
+    one = Measured(seed=1, scores=(0.1, 0.2), levels=levels)
+
+    cells = columns((0.0, 0.0, 0.25, 0.25), ("wrong",), one)
+
+    assert cells["done at 0 m/s, %"] == "75"
+    assert cells["done at 0.25 m/s, %"] == "25"
+    assert cells["wrong, %"] == "25"
 
 
 def test_our_entries_stand_beside_what_others_published_at_the_same_speeds() -> None:
