@@ -40,6 +40,8 @@ _UNSURE, _SURE = 0.30, 0.45  # E: agreement at which a place is no box, and sure
 _BLANK, _LETTERED = 0.15, 0.35  # E: likewise, on the face alone
 _TRUST = 0.5  # E: in what the letters say; pixels are off together
 _LENGTHS_PX = (16.0, 100.0)  # of a face, E
+_WIDEST = 400  # [px] E: faces in wider images are larger than those that are searched for
+_HALVINGS = 3  # at most, as `octaves` has them
 _SAME = 0.3  # intersection over union from which two answers are one
 
 
@@ -53,14 +55,15 @@ class OutlineDetector:
 
     def detect(self, image: Image) -> list[Detection]:
         """Return the boxes of an image."""
-        whole = np.ascontiguousarray(grey(image))
-        images = octaves(whole)
-        poses = candidates(whole, images, self._shape)
+        small, pixels = _reduced(np.ascontiguousarray(grey(image)))
+        images = octaves(small)
+        poses = candidates(small, images, self._shape)
         found = []
         for row in _examined(images[0], poses, self._pictures, self._reads).tolist():
             confidence = self._confidence(*row[6:])
             if confidence > 0.0:
-                found.append(Detection(LABEL, _corners(Map(*row[:6])), confidence))
+                corners = (_corners(Map(*row[:6])) + 0.5) * pixels - 0.5
+                found.append(Detection(LABEL, corners, confidence))
         return first_apart(most_confident(found), _SAME)
 
     def _confidence(self, agreement: float, printed: float, _evidence: float) -> float:
@@ -78,6 +81,16 @@ class FaceDetector(OutlineDetector):
     def _confidence(self, agreement: float, printed: float, evidence: float) -> float:
         box = super()._confidence(agreement, printed, evidence)
         return box / (1.0 + exp(-_TRUST * box * evidence))
+
+
+def _reduced(image: Image) -> tuple[Image, int]:
+    """Return an image of at most _WIDEST columns, or an eighth, and the size of its pixels [px]."""
+    halvings = 0
+    while image.shape[1] >> halvings > _WIDEST and halvings < _HALVINGS:
+        halvings += 1
+    if halvings == 0:
+        return image, 1
+    return (octaves(image)[halvings] + 0.5).astype(np.uint8), 1 << halvings
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

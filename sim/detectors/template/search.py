@@ -249,11 +249,13 @@ def places(
 ) -> NDArray[np.float64]:
     """Return the poses (n, 4) at which things may be: so many of each size, none twice in one."""
     sums = summed(image)
-    every = []
+    every = [np.empty((0, 5))]
     for each in sets:
         margin = each.side // 4
         for length in each.lengths:
             cell = WINDOW * length / each.side
+            if int(min(image.shape) / cell) + 2 * margin < each.side:
+                continue  # an image that is smaller than the window
             reduced = _reduced(sums, cell, margin)
             best, which = _responses(reduced, each.weights, each.side)
             inner = min(int(image.shape[1] / cell) + 2 * margin - each.side + 1, best.shape[1])

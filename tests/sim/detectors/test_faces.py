@@ -122,6 +122,7 @@ def test_images_of_anything_give_an_answer_within_the_limits(name: str, kind: st
 
     answer = make(name).detect(images[kind].astype(np.uint8))
 
+    assert make(name).detect(images[kind][:16, :16].astype(np.uint8)) == []
     assert len(answer) <= MOST
     for label, corners, confidence in answer:
         assert label == "box"
@@ -144,6 +145,18 @@ def test_an_image_gives_the_same_answer_again_however_it_is_stored(name: str) ->
 
     assert first
     assert others == [first] * 4
+
+
+def test_larger_images_of_the_same_give_the_same_corners_in_their_pixels() -> None:
+    (view,) = views(1, MIDDLE, 1.0, right=True)
+    (found,) = make("face").detect(view.image)
+
+    for factor in (2, 4):
+        large = np.kron(view.image, np.ones((factor, factor), np.uint8))
+        (again,) = make("face").detect(large)
+
+        assert again.corners == pytest.approx(factor * (found.corners + 0.5) - 0.5, abs=1e-6)
+        assert again.confidence == found.confidence
 
 
 @pytest.mark.parametrize("name", BOX_DETECTORS)
