@@ -21,13 +21,15 @@ _SHOWN = 60  # characters of a value
 _HASH_SHOWN = 12
 
 
-def of_inputs(archived: ArchivedRun, program: bytes | None) -> list[str]:
+def of_inputs(
+    archived: ArchivedRun, program: bytes | None, parts: Mapping[str, bytes]
+) -> list[str]:
     """Return what of the archive contradicts its manifest, before anything is computed.
 
     Parameters
     ----------
-    program
-        In normal form.
+    program, parts
+        In normal form; the parts are further programs by their roles.
     """
     manifest = archived.manifest
     stated = manifest.configuration | (
@@ -37,12 +39,15 @@ def of_inputs(archived: ArchivedRun, program: bytes | None) -> list[str]:
         f"configuration: {name} is {here} in config.json and {there} in the manifest"
         for name, there, here in _unequal(stated, archived.config)
     ]
-    digest = None if program is None else hashlib.sha256(program).hexdigest()
-    if digest != manifest.program_sha256:
-        lines.append(
-            f"program: the SHA-256 is {_short(digest)} and {_short(manifest.program_sha256)} "
-            "in the manifest"
-        )
+    stored = {"program": program} | dict(parts)
+    digests = {"program": manifest.program_sha256} | manifest.parts
+    for what, content in stored.items():
+        digest = None if content is None else hashlib.sha256(content).hexdigest()
+        if digest != digests[what]:
+            lines.append(
+                f"{what}: the SHA-256 is {_short(digest)} and {_short(digests[what])} "
+                "in the manifest"
+            )
     return lines
 
 

@@ -12,7 +12,7 @@ from seamark.formats.recording import Recording
 
 FOLDER = "seamark-run"
 README, MANIFEST, CONFIG, METRICS = "README.md", "manifest.json", "config.json", "metrics.json"
-TELEMETRY, PROGRAM = "telemetry.csv", "program"
+TELEMETRY, PROGRAM, PARTS = "telemetry.csv", "program", "parts"
 _README = """\
 # {title}
 
@@ -25,6 +25,7 @@ _README = """\
 | metrics.json | score and metrics |
 | telemetry.csv | all rows: comment lines with #, then the names of the columns |
 | program/ | the uploaded program, if there was one and it may be passed on |
+| parts/ | the same of programs in further roles, a folder for each role |
 {published}
 {again}
 """
@@ -77,6 +78,8 @@ def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
     if recording.program is not None:
         name = PurePosixPath(recording.program.name).name or "program"
         yield f"{PROGRAM}/{name}", recording.program.content
+    for role, part in recording.parts.items():
+        yield f"{PARTS}/{role}/{PurePosixPath(part.name).name or 'program'}", part.content
     for name, content in recording.extra_files.items():
         yield name, content.encode()
 

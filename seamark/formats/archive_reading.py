@@ -19,7 +19,15 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from seamark.formats import csv_file
-from seamark.formats.archive import CONFIG, MANIFEST, METRICS, PROGRAM, TELEMETRY, why_not_again
+from seamark.formats.archive import (
+    CONFIG,
+    MANIFEST,
+    METRICS,
+    PARTS,
+    PROGRAM,
+    TELEMETRY,
+    why_not_again,
+)
 from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
@@ -34,6 +42,7 @@ LINE_CHARACTERS = 16384  # of a row: 100 columns take an eighth
 TRIALS_MAX = 100
 _METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
 Seed = Annotated[int, Field(ge=0, lt=2**SEED_BITS)]
+Role = Annotated[str, Field(pattern="^(tracker|detector)$")]
 Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
@@ -63,6 +72,7 @@ class Manifest(BaseModel):
     trials: int = Field(ge=1, le=TRIALS_MAX)
     controller: str = Field(max_length=200)
     program_sha256: Sha256 | None
+    parts: dict[Role, Sha256] = Field(default_factory=dict)  # further programs
     digest: Sha256
     code_sha256: Sha256
     versions: dict[str, str]
@@ -95,6 +105,7 @@ class ArchivedRun:
     config: dict[str, Any]  # with the parameters of the program
     metrics: dict[str, Any] | None
     program: Program | None
+    parts: dict[str, Program]  # role -> further program, as far as the archive has it
     _archive: zipfile.ZipFile
     _root: str
 
@@ -141,7 +152,8 @@ def opened(path: Path) -> Iterator[ArchivedRun]:
             manifest,
             _object(archive, root + CONFIG),
             _object(archive, root + METRICS) if root + METRICS in archive.namelist() else None,
-            _program(archive, root),
+            _program(archive, root, PROGRAM),
+            _parts(archive, root, manifest),
             archive,
             root,
         )
@@ -166,13 +178,18 @@ def _manifest(archive: zipfile.ZipFile, root: str) -> Manifest:
         raise ArchiveRefused(f"{MANIFEST}: {where}: {first['msg']}.") from None
 
 
-def _program(archive: zipfile.ZipFile, root: str) -> Program | None:
-    folder = f"{root}{PROGRAM}/"
+def _parts(archive: zipfile.ZipFile, root: str, manifest: Manifest) -> dict[str, Program]:
+    found = {role: _program(archive, root, f"{PARTS}/{role}") for role in manifest.parts}
+    return {role: program for role, program in found.items() if program is not None}
+
+
+def _program(archive: zipfile.ZipFile, root: str, where: str) -> Program | None:
+    folder = f"{root}{where}/"
     names = [name for name in archive.namelist() if name.startswith(folder) and name != folder]
     if not names:
         return None
     if len(names) > 1:
-        raise ArchiveRefused(f"{PROGRAM}/ has {len(names)} files instead of one.")
+        raise ArchiveRefused(f"{where}/ has {len(names)} files instead of one.")
     content = _read(archive, names[0], PROGRAM_BYTES)
     return Program(PurePosixPath(names[0]).name, content)
 

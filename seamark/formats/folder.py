@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ class NoResult(ValueError):
     """The folder has no result of this version. The text is for the user."""
 
 
-def recording_of(folder: Path, program: Program | None = None) -> Recording:
+def recording_of(
+    folder: Path, program: Program | None = None, parts: Mapping[str, Program] | None = None
+) -> Recording:
     """Return the result in a folder; raises NoResult."""
     try:
         manifest = _object(folder / "manifest.json")
@@ -53,6 +56,7 @@ def recording_of(folder: Path, program: Program | None = None) -> Recording:
         manifest=manifest,
         metrics=metrics,
         program=program,
+        parts=parts or {},
     )
 
 

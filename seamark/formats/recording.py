@@ -49,6 +49,8 @@ class Recording:
         Of each trial, to render camera images; None where they are not known.
     comments
         Lines above the rows of a CSV.
+    parts
+        Role -> further program that was uploaded.
     extra_files
         Name -> text of further files for the archive.
     """
@@ -64,6 +66,7 @@ class Recording:
     manifest: Mapping[str, Any] | None = None
     metrics: Mapping[str, Any] | None = None
     program: Program | None = None
+    parts: Mapping[str, Program] = field(default_factory=dict)
     extra_files: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property

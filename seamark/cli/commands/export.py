@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import json_option, server_options
+from seamark.cli.options import json_option, part_options, parts_in, server_options
 from seamark.failures import UsageRefused
 from seamark.formats.registry import FORMATS, Format
 
@@ -46,6 +47,7 @@ Examples:
     metavar="FILE",
     help="The program of a result in a folder, for its archive.",
 )
+@part_options
 @server_options
 @json_option
 def export(
@@ -57,6 +59,7 @@ def export(
     server: str,
     token: str | None,
     as_json: bool,
+    **parts: Path | None,
 ) -> None:
     """Write a run as a file."""
     from seamark.cli.output_folder import draft_of
@@ -70,7 +73,7 @@ def export(
         if on_server:
             _download(int(result), kind, file, server=server, token=token)
         else:
-            _write(Path(result), kind, file, program)
+            _write(Path(result), kind, file, program, parts_in(parts))
         size = file.tell()
     if as_json:
         print_json({"out": str(target), "format": name, "bytes": size})
@@ -87,7 +90,9 @@ def _download(run_id: int, kind: Format, file: BinaryIO, *, server: str, token: 
         client.run(run_id).download(kind.name, file)
 
 
-def _write(folder: Path, kind: Format, file: BinaryIO, program: Path | None) -> None:
+def _write(
+    folder: Path, kind: Format, file: BinaryIO, program: Path | None, parts: Mapping[str, Path]
+) -> None:
     """Write a result on this machine."""
     from seamark.cli.extras import has_simulator, install_line, missing, without_simulator
 
@@ -103,7 +108,9 @@ def _write(folder: Path, kind: Format, file: BinaryIO, program: Path | None) -> 
             f"The format {kind.name} needs further packages: {install_line('formats')}."
         )
     try:
-        kind.write(recording_of(folder, None if program is None else _program(program)), file)
+        own = {role: _program(part) for role, part in parts.items()}
+        recording = recording_of(folder, None if program is None else _program(program), own)
+        kind.write(recording, file)
     except (NoResult, FormatRefused) as reason:
         raise UsageRefused(str(reason)) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
     from seamark.formats.archive_reading import ArchivedRun, Manifest
+    from seamark.formats.recording import Program
     from seamark.programs.preparation import PreparedProgram
     from seamark.sim.recording.telemetry import Rows
     from seamark.worker.ipc.outcomes import RunOutcome
@@ -53,12 +55,14 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
     _add_vehicle(manifest)
     program = _program(archived)
     content = None if program is None else program.content
-    differences = rerun_comparison.of_inputs(archived, content)
+    parts = _parts(archived)
+    contents = {role: part.content for role, part in parts.items()}
+    differences = rerun_comparison.of_inputs(archived, content, contents)
     if not quiet:
         solution = manifest.controller if program is None else program.name
         what = f"{manifest.benchmark}, {solution}, trials {manifest.trials}"
         click.echo(_printable(what))
-    outcome, rows = _computed(archived, program, quiet=quiet)
+    outcome, rows = _computed(archived, program, parts, quiet=quiet)
     differences += rerun_comparison.of_results(archived, outcome, rows)
     here = outcome.manifest or {}
     software = rerun_comparison.of_software(manifest, here)
@@ -96,8 +100,6 @@ def _add_vehicle(manifest: Manifest) -> None:
 def _program(archived: ArchivedRun) -> PreparedProgram | None:
     """Return the program in normal form; raises UsageRefused if there is none although needed."""
     from seamark.cli.configuration import benchmark_of
-    from seamark.programs.archives import is_archive
-    from seamark.programs.preparation import UploadRejected, prepare
 
     manifest, program = archived.manifest, archived.program
     benchmark = benchmark_of(manifest.benchmark)
@@ -111,16 +113,43 @@ def _program(archived: ArchivedRun) -> PreparedProgram | None:
         if manifest.controller not in known:
             raise UsageRefused(f"There is no built-in solution {manifest.controller}.")
         return None
+    return _prepared(program, benchmark.role, what="program")
+
+
+def _parts(archived: ArchivedRun) -> dict[str, PreparedProgram]:
+    """Return the further programs in normal form; raises UsageRefused if one is not there."""
+    from seamark.programs import parts
+    from seamark.sim import registry
+
+    for role in archived.manifest.parts:
+        if refusal := parts.refusal(registry.benchmark(archived.manifest.benchmark), role):
+            raise UsageRefused(refusal)
+        if role not in archived.parts:
+            raise UsageRefused(
+                f"The archive does not have the {role} of the run: it was not published. Ask its "
+                "owner for an archive with it."
+            )
+    return {role: _prepared(part, role, what=role) for role, part in archived.parts.items()}
+
+
+def _prepared(program: Program, role: str, *, what: str) -> PreparedProgram:
+    from seamark.programs.archives import is_archive
+    from seamark.programs.preparation import UploadRejected, prepare
+
     # An uploaded archive is stored as a plain zip file, whatever it was and is called.
     name = "program.zip" if is_archive(program.name) else program.name
     try:
-        return prepare(program.content, name, role=benchmark.role)
+        return prepare(program.content, name, role=role)
     except UploadRejected as reason:
-        raise UsageRefused(f"The program in the archive: {reason}") from None
+        raise UsageRefused(f"The {what} in the archive: {reason}") from None
 
 
 def _computed(
-    archived: ArchivedRun, program: PreparedProgram | None, *, quiet: bool
+    archived: ArchivedRun,
+    program: PreparedProgram | None,
+    parts: Mapping[str, PreparedProgram],
+    *,
+    quiet: bool,
 ) -> tuple[RunOutcome, Rows]:
     """Compute the run with the configuration, seeds and program of the archive."""
     import numpy as np
@@ -135,7 +164,7 @@ def _computed(
 
     manifest, rows = archived.manifest, RowsInMemory()
     seeds = manifest.trial_seeds()
-    isolation = IsolationLevel.NONE if program is None else isolation_level()
+    isolation = isolation_level() if program is not None or parts else IsolationLevel.NONE
     try:
         with (
             sandbox_failures_explained(),
@@ -150,6 +179,7 @@ def _computed(
                 seeds=seeds,
                 ranked=manifest.seed is None,
                 controller=program or manifest.controller,
+                parts=parts,
                 callbacks=Callbacks(
                     rows=rows.add,
                     trial_restarted=rows.discard,

@@ -67,7 +67,7 @@ def foxglove_layout() -> Response:
 def _converted(run_id: int, kind: Format) -> Response:
     view = access.run_for(run_id)
     files = access.files_of(view)
-    job, program = _job(view, files, kind)
+    job, programs = _job(view, files, kind)
     if reason := kind.refusal(job.rows):
         raise Problem("conflict", reason)
     line = job.request(kind, files)
@@ -77,18 +77,19 @@ def _converted(run_id: int, kind: Format) -> Response:
     run_files.as_attachment(answer, view, kind.file)
     if request.if_none_match.contains(answer.get_etag()[0] or ""):
         return caching.conditional(answer)
-    conversion = services().conversions.start(line + program, owner=rate_limits.client())
+    conversion = services().conversions.start(line + programs, owner=rate_limits.client())
     answer.response = conversion  # which is closed with it
     return answer
 
 
 def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
-    """Return what is to be written, and the program if the archive has it."""
+    """Return what is to be written, and the programs if the archive has them."""
     count = files.row_count()
     settings = services().settings
     manifest = view.manifest or files.manifest()
     metrics = view.metrics or files.metrics()
-    program = _program(view) if kind.whole else None
+    program = _program(view, view.program_sha256) if kind.whole else None
+    parts = _parts(view) if kind.whole else {}
     job = Job(
         title=f"Run {view.id}",
         benchmark=view.benchmark,
@@ -100,9 +101,14 @@ def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
         vehicle=_vehicle(view),
         metrics=run_files.without_hidden_seeds(metrics, view),
         program=None if program is None else view.program_name or "program",
+        parts=[
+            (part.role, part.program_name or part.role, len(parts[part.role]))
+            for part in view.parts
+            if part.role in parts
+        ],
         extra_files=_citation(view) if kind.whole else {},
     )
-    return job, program or b""
+    return job, b"".join((program or b"", *parts.values()))
 
 
 def _manifest(view: RunView, manifest: Any) -> Any:
@@ -124,12 +130,18 @@ def _citation(view: RunView) -> dict[str, str]:
     return dict(citations.files(citation_of(view))) if view.public else {}
 
 
-def _program(view: RunView) -> bytes | None:
-    """Return the uploaded program if the viewer may have it; None too if it was deleted."""
+def _parts(view: RunView) -> dict[str, bytes]:
+    """Return role -> further program, those that the viewer may have."""
+    found = {part.role: _program(view, part.program_sha256) for part in view.parts}
+    return {role: content for role, content in found.items() if content is not None}
+
+
+def _program(view: RunView, sha256: str | None) -> bytes | None:
+    """Return an uploaded program if the viewer may have it; None too if it was deleted."""
     viewer: Viewer = g.viewer
-    if view.program_sha256 is None or not can(viewer, Action.VIEW_PROGRAM, view):
+    if sha256 is None or not can(viewer, Action.VIEW_PROGRAM, view):
         return None
     try:
-        return store.read(services().settings, view.program_sha256)
+        return store.read(services().settings, sha256)
     except FileNotFoundError:
         return None

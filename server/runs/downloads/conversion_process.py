@@ -1,7 +1,8 @@
 """The process that writes one run in one format: limited in CPU time and memory, then gone.
 
-Protocol: a line of JSON with the job and then the program, if any, on standard input; the file on
-standard output. Started by `conversions`.
+Protocol: a line of JSON with the job and then its programs, if any, on standard input: that of the
+benchmark's role, then those of further roles. The file is on standard output. `conversions` starts
+the process.
 """
 
 import json
@@ -34,10 +35,15 @@ def main() -> None:
     sys.stdout.buffer.flush()
 
 
-def _recording(job: dict[str, Any], program: bytes) -> Recording:
+def _recording(job: dict[str, Any], programs: bytes) -> Recording:
     if job["vehicle"] is not None:
         with suppress(VehicleInvalid):  # most likely accepted by an older version
             own.add(job["vehicle"].encode())
+    end = len(programs) - sum(size for _role, _name, size in job["parts"])
+    parts: dict[str, Program] = {}
+    for role, name, size in job["parts"]:
+        start = end + sum(len(part.content) for part in parts.values())
+        parts[role] = Program(name, programs[start : start + size])
     files = RunFiles(Path(job["data"]), job["run"], job["attempt"])
     return Recording(
         title=job["title"],
@@ -50,7 +56,8 @@ def _recording(job: dict[str, Any], program: bytes) -> Recording:
         comments=job["comments"],
         manifest=job["manifest"],
         metrics=job["metrics"],
-        program=Program(job["program"], program) if job["program"] else None,
+        program=Program(job["program"], programs[:end]) if job["program"] else None,
+        parts=parts,
         extra_files=job["extra_files"],
     )
 

@@ -12,7 +12,7 @@ import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import BinaryIO
 
 from seamark.formats.registry import Format
@@ -46,6 +46,7 @@ class Job:
     manifest: dict[str, object] | None
     metrics: dict[str, object] | None
     program: str | None = None  # its name
+    parts: list[tuple[str, str, int]] = field(default_factory=list)  # role, name, size [B]
     vehicle: str | None = None  # file of the user's own
     extra_files: dict[str, str]
 
@@ -68,7 +69,7 @@ class Conversions:
         Parameters
         ----------
         request
-            The line of a job, and the program.
+            The line of a job, and its programs.
         owner
             Who downloads: one file of each is written at a time.
 

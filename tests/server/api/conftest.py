@@ -64,8 +64,8 @@ class Site(Backend):
 
     def recorded(self, **changes: Any) -> int:
         """Return a run of an uploaded program that succeeded, with 2 s of telemetry and a log."""
-        program = self.store_program()
-        run_id = self.succeeded(controller="upload", program=program, **changes)
+        uploaded: dict[str, Any] = {"controller": "upload", "program": self.store_program()}
+        run_id = self.succeeded(**uploaded | changes)
         self.record(run_id, rows=40)
         return run_id
 

@@ -17,6 +17,7 @@ from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.conversions import SLOTS, ConversionFailed, Conversions
 from tests.cast import PROGRAM
+from tests.part_programs import BENCHMARK, DETECTOR, TRACKER
 from tests.server.api.conftest import Site
 
 
@@ -85,6 +86,26 @@ def test_the_archive_has_everything_to_compute_the_run_again(site: Site) -> None
     csv = site.call("owner", "GET", f"/api/v1/runs/{run_id}/telemetry.csv").data
     assert files["telemetry.csv"] == csv
     assert f"seamark-run-{run_id}-archive.zip" in answer.headers["Content-Disposition"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("main", [True, False])
+def test_the_archive_has_the_programs_in_further_roles(site: Site, main: bool) -> None:
+    parts = {
+        "detector": site.store_program(DETECTOR, "find.py", "detector"),
+        "tracker": site.store_program(TRACKER, "follow.py", "tracker"),
+    }
+    built_in = {} if main else {"controller": "chain", "program": None}
+    run_id = site.recorded(benchmark=BENCHMARK, parts=parts, **built_in)
+
+    archive = zipfile.ZipFile(io.BytesIO(fetch(site, run_id, "archive").data))
+
+    programs = {
+        name.removeprefix("seamark-run/"): archive.read(name) for name in archive.namelist()
+    }
+    assert programs["parts/detector/find.py"] == DETECTOR
+    assert programs["parts/tracker/follow.py"] == TRACKER
+    assert programs.get("program/mine.py") == (PROGRAM if main else None)
 
 
 def test_a_program_that_is_private_is_not_in_the_archive_of_others(site: Site) -> None:
