@@ -26,6 +26,7 @@ TABLES = {
     "leaks": "sandbox.leaks",
     "camera": "perception.camera",
     "training_images": "perception.training_images",
+    "box_detectors": "perception.box_detectors",
     "trackers": "perception.trackers.page",
     "leaderboard": "service.database.leaderboard",
     "many_runs": "service.database.many_runs",
