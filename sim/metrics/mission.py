@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sim.metrics import recovery
 from seamark.sim.metrics.attempts import (
     CREDIT,
     END,
@@ -97,11 +98,8 @@ def reached(rows: Rows, dt: float) -> tuple[int, ...]:
     return Mission(rows, dt).progress.steps
 
 
-FOUND_METRICS: tuple[LevelMetric[Any], ...] = tuple(
-    stage_metric(stage.name, stage.label) for stage in STAGES[: FOUND + 2]
-)
-TAKEN_METRICS: tuple[LevelMetric[Any], ...] = (
-    *(stage_metric(stage.name, stage.label) for stage in STAGES[TAKEN : LIFTED + 1]),
+SEARCH_METRICS: tuple[LevelMetric[Any], ...] = (
+    *(stage_metric(stage.name, stage.label) for stage in STAGES[: FOUND + 2]),
     LevelMetric(
         name="search_s",
         label="Time to find it",
@@ -121,5 +119,5 @@ TAKEN_METRICS: tuple[LevelMetric[Any], ...] = (
         compute=lambda attempt: float(attempt.wrong),
     ),
 )
-GROUP = MetricGroup("Missions", (*FOUND_METRICS, *TAKEN_METRICS))
-METRICS = (CREDIT, *FOUND_METRICS, REACHED, *TAKEN_METRICS, *END)
+GROUP = MetricGroup("Missions", SEARCH_METRICS)
+METRICS = (CREDIT, *SEARCH_METRICS, REACHED, *recovery.GROUP.metrics, *END)

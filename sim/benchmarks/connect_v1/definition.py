@@ -15,7 +15,7 @@ BENCHMARK = intervention_benchmark(
     question="Which program plugs a connector in the strongest current?",
     configuration=ConnectConfiguration,
     metrics=connection.METRICS,
-    group=connection.GROUP,
+    metric_groups=(connection.GROUP,),
     stages=Stages(connection.STAGES, connection.reached),
     built_in={
         "resolved-rate": "Resolved rate: vehicle and arm together",

@@ -48,7 +48,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     question: str,
     configuration: type[InterventionSettings],
     metrics: Sequence[LevelMetric[Any]],
-    group: MetricGroup,
+    metric_groups: tuple[MetricGroup, ...],
     stages: Stages,
     built_in: Mapping[str, str],
     reference_built_in: Mapping[str, str],
@@ -62,10 +62,10 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
     """Return a benchmark of programs that move an arm; its folder has the experiment.
 
     Each built-in solution is a baseline with its default settings. `metrics` are those of a level,
-    the credit first, and `group` those of them that no other intervention has. `scale` goes from
-    the score of doing nothing to that of the oracle. `notes` are those of baselines, and
-    `marks` further ones, with settings of their own. `parts` are the
-    roles of further programs, `charts` and `groups` what only it has.
+    the credit first, and `metric_groups` those of them that not every intervention has. `scale`
+    goes from the score of doing nothing to that of the oracle. `notes` are those of baselines, and
+    `marks` further ones, with settings of their own. `parts` are the roles of further programs,
+    `charts` and `groups` what only it has.
     """
     credit, *rest = metrics
     return Benchmark(
@@ -88,7 +88,7 @@ def intervention_benchmark(  # noqa: PLR0913  # one for each part that differs
         tables=(Table("Each level", (*metrics, HELD)),),
         key_metrics=(credit,),
         board_metrics=tuple(metric for metric in rest if metric.unit),
-        metric_groups=(attempts.GROUP, group),
+        metric_groups=(attempts.GROUP, *metric_groups),
         stages=stages,
         baselines={
             **{

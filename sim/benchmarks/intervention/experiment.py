@@ -21,7 +21,6 @@ from seamark.sim.vehicles import load
 Settings = TypeVar("Settings", bound=InterventionSettings)
 DONE_CREDIT = 0.999  # from which an attempt counts as done
 TRIED_CREDIT = 0.1  # of a program that got its hand to the work
-NOT_TRIED = "The arm did not get to its work in either of the two weakest currents."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +36,9 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
 
     `metrics` are those of a level; one of them is named credit.
     """
+
+    # why a trial does not rank whose program has not tried
+    not_tried = "The arm did not get to its work in either of the two weakest currents."
 
     def __init__(self, metrics: tuple[LevelMetric[Any], ...]) -> None:
         self._metrics = metrics
@@ -125,7 +127,7 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
             score=score,
             level_held=held,
             rankable=math.isfinite(score) and tried,
-            reason="" if tried else NOT_TRIED,
+            reason="" if tried else self.not_tried,
             overall=over_run(self._metrics, levels),
         )
 

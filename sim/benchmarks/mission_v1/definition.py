@@ -3,7 +3,7 @@
 from seamark.sim.benchmarks.benchmark import Baseline, Chart, Stages
 from seamark.sim.benchmarks.intervention.definition import intervention_benchmark
 from seamark.sim.benchmarks.mission_v1.settings import MissionConfiguration
-from seamark.sim.metrics import mission
+from seamark.sim.metrics import mission, recovery
 from seamark.sim.settings.search import GROUP
 
 BENCHMARK = intervention_benchmark(
@@ -16,7 +16,7 @@ BENCHMARK = intervention_benchmark(
     question="Which programs find, recognise and recover a box in the strongest current?",
     configuration=MissionConfiguration,
     metrics=mission.METRICS,
-    group=mission.GROUP,
+    metric_groups=(mission.GROUP, recovery.GROUP),
     stages=Stages(mission.STAGES, mission.reached),
     built_in={
         "chain": "Built-in chain: search, recognise, recover, return",

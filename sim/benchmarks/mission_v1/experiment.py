@@ -24,6 +24,7 @@ class Mission(Intervention[MissionConfiguration]):
     """The right box is to be found, recovered and brought to where the vehicle started."""
 
     task = "mission"
+    not_tried = "The box was not found in either of the two levels with the weakest current."
 
     def level(
         self,

@@ -16,7 +16,7 @@ BENCHMARK = intervention_benchmark(
     question="Which program recovers a box from the seabed in the strongest current?",
     configuration=RecoverConfiguration,
     metrics=recovery.METRICS,
-    group=recovery.GROUP,
+    metric_groups=(recovery.GROUP,),
     stages=Stages(recovery.STAGES, recovery.reached),
     built_in={
         "resolved-rate": "Resolved rate: vehicle and arm together",

@@ -15,7 +15,7 @@ BENCHMARK = intervention_benchmark(
     question="Which program turns a valve in the strongest current?",
     configuration=ValveConfiguration,
     metrics=valve_turning.METRICS,
-    group=valve_turning.GROUP,
+    metric_groups=(valve_turning.GROUP,),
     stages=Stages(valve_turning.STAGES, valve_turning.reached),
     built_in={
         "resolved-rate": "Resolved rate: vehicle and arm together",
