@@ -15,7 +15,13 @@ from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import INDEX, Rows, has_detections
+from seamark.sim.recording.telemetry import (
+    INDEX,
+    SEARCH_INDEX,
+    Rows,
+    has_detections,
+    has_search,
+)
 
 Flags = NDArray[np.bool_]
 _SAME_TIME_S = 1e-6
@@ -40,6 +46,8 @@ class _Moments:
         reported = rows[:, INDEX["tracker_ok"]]
         # A log may be without a tracker, and what a detector sees is none.
         lost = np.isfinite(reported) & (reported != 1.0) & (not has_detections(rows.shape[1]))
+        if has_search(rows.shape[1]):  # what is still looked for is not lost
+            lost &= rows[:, SEARCH_INDEX["searching"]] != 1.0
         before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
         room = LOSSES_MAX - len(self.losses)
         self.losses += t[lost & ~before][:room].tolist()

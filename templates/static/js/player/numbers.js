@@ -4,7 +4,8 @@
 import { current, heading, number } from "./formatting.js";
 
 /** @param {Row} row */
-function tracker({ tracker_ok: ok, tracker_error: error }) {
+function tracker({ tracker_ok: ok, tracker_error: error, searching }) {
+  if (searching === 1) return "has no target";
   return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
 }
 

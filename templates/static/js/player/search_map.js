@@ -199,7 +199,7 @@ export class SearchMap {
       ["Found after", stage ? number(stage.t - first.t, 1, "s") : "not found"],
       [stage ? "Way until then" : "Way so far", number(wayUntil(rows, stage?.t ?? now.t), 1, "m")],
       ["Told position off by", number(distance(told, box), 2, "m")],
-      ["Wrong box from the right one", number(distance(box, decoy), 2, "m")],
+      ["Between the boxes", number(distance(box, decoy), 2, "m")],
       ["Box from the start", `${number(home, 2, "m")}${home <= mark ? ", within the circle" : ""}`],
     ];
     const texts = figures.flat();

@@ -6,7 +6,7 @@ import numpy as np
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.moments import LOSSES_MAX, moments
-from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
+from seamark.sim.recording.telemetry import INDEX, SEARCH_INDEX, WIDTH, Rows, width_for
 
 ROWS = 40_000  # more than is read at once
 
@@ -48,6 +48,18 @@ def test_a_loss_is_where_the_tracker_begins_to_fail(tmp_path: Path) -> None:
     found = moments(_files(tmp_path, tracker_ok=tracker_ok, level=level), 0, "distance")["losses"]
 
     assert found == [0.05 * 16_380, 0.05 * 30_000, 0.05 * 35_000]
+
+
+def test_what_a_detector_still_looks_for_is_not_lost(tmp_path: Path) -> None:
+    table = np.zeros((100, width_for(8, arm=True, work=True, search=True)))
+    table[:, INDEX["t"]] = np.arange(100)
+    table[:, INDEX["level"]] = np.repeat([0.0, 1.0], 50)
+    table[[*range(10), *range(50, 60)], SEARCH_INDEX["searching"]] = 1.0
+    table[[*range(10, 30), *range(60, 100)], INDEX["tracker_ok"]] = 1.0
+    files = RunFiles(tmp_path, 1, 1)
+    files.append_rows(table)
+
+    assert moments(files, 0, "distance")["losses"] == [30.0]
 
 
 def test_a_tracker_that_flickers_gives_a_list_of_bounded_length(tmp_path: Path) -> None:

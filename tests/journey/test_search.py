@@ -1,0 +1,76 @@
+"""A search for the right box, seen on the page of its run and beside another one."""
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from tests.journey import accessibility
+from tests.journey.visitor import RUN_MS, Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+MISSION = {
+    "benchmark": "mission-v1",
+    "controller": "chain",
+    "seed": 5,
+    "config": {"levels": [0.0], "loop1_values": [0.5, 2.0], "level_duration_s": 20.0},
+}
+LEVEL_S = 20.0
+
+
+def test_the_map_of_a_search_plays_with_the_time_line(visitor: Visitor) -> None:
+    visitor.sign_up("searching")
+    number = visitor.submit(MISSION)
+    visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
+    page = visitor.page
+
+    visitor.open(f"/runs/{number}#t=4")
+    search = page.locator("[data-search-map]")
+    search.scroll_into_view_if_needed()
+
+    expect(search.get_by_role("img", name=re.compile("Map of the search"))).to_be_visible()
+    figures = search.locator("[data-map-figures]")
+    expect(figures).to_contain_text(re.compile(r"Told position off by\s*[01]\.\d\d m"))
+    expect(figures).to_contain_text("Box from the start")
+    earlier = _drawn(search, "searching") + _drawn(search, "following")
+    page.locator("[data-time]").fill("12")
+    expect(search.locator('[data-map="vehicle"]')).to_have_attribute("transform", re.compile("tr"))
+    page.wait_for_function(
+        "count => [...document.querySelectorAll('[data-map=searching], [data-map=following]')]"
+        ".reduce((sum, path) => sum + path.getAttribute('d').split('M').length, 0) > count",
+        arg=earlier + 2,
+    )
+    start = search.locator('[data-map="mark"]').get_attribute("cx")
+    page.locator("[data-time]").fill(str(LEVEL_S + 3))
+    expect(search.locator('[data-map="mark"]')).not_to_have_attribute("cx", start or "")
+
+    page.set_viewport_size({"width": 375, "height": 800})
+    page.wait_for_function("document.documentElement.scrollWidth <= 375")
+    assert list(accessibility.defects(page)) == []
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def test_the_maps_of_two_searches_are_beside_each_other(visitor: Visitor) -> None:
+    visitor.sign_up("comparing")
+    numbers = [visitor.submit(MISSION | {"seed": seed}) for seed in (5, 6)]
+    for number in numbers:
+        visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
+    page = visitor.page
+
+    visitor.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
+
+    maps = page.locator("[data-search-map]")
+    expect(maps).to_have_count(2)
+    for one in maps.all():
+        one.scroll_into_view_if_needed()
+        expect(one.locator("[data-map-figures]")).to_contain_text("Way")
+    expect(page.locator("[data-camera] img").first).to_be_visible()
+    told = [one.locator('[data-map="told"]').get_attribute("transform") for one in maps.all()]
+    assert told[0] != told[1]
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def _drawn(search: Locator, phase: str) -> int:
+    """Return how many pieces the way in a phase has."""
+    path = search.locator(f'[data-map="{phase}"]').get_attribute("d") or ""
+    return path.count("M")
