@@ -160,6 +160,7 @@ def _spreads(image: NDArray[np.float32], side: int) -> NDArray[np.float32]:
     rows, columns = image.shape[0] - side + 1, image.shape[1] - side + 1
     out = np.zeros((rows, image.shape[1]), np.float32)
     sums, squares = np.zeros(image.shape[1]), np.zeros(image.shape[1])
+    totals, energies = np.empty(columns), np.empty(columns)
     for r in range(image.shape[0]):
         for c in range(image.shape[1]):
             value = float(image[r, c])
@@ -171,13 +172,14 @@ def _spreads(image: NDArray[np.float32], side: int) -> NDArray[np.float32]:
                 squares[c] -= gone * gone
         if r < side - 1:
             continue
+        totals[:], energies[:] = 0.0, 0.0
+        for k in range(side):  # outside, so that all columns are added at the same time
+            for c in range(columns):
+                totals[c] += sums[c + k]
+                energies[c] += squares[c + k]
+        n = side * side
         for c in range(columns):
-            total, energy = 0.0, 0.0
-            for k in range(c, c + side):
-                total += sums[k]
-                energy += squares[k]
-            n = side * side
-            variance = energy / n - (total / n) ** 2
+            variance = energies[c] / n - (totals[c] / n) ** 2
             out[r - side + 1, c] = 1.0 / np.sqrt(max(variance, 0.0) + _LEAST_VARIANCE)
     return out
 
@@ -218,6 +220,16 @@ def _responses(
     return best, which
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _is_passed(best: NDArray[np.float32], r: int, c: int, columns: int) -> bool:
+    """Return whether one of the neighbours fits better."""
+    for j in range(max(r - 1, 0), min(r + 2, best.shape[0])):
+        for i in range(max(c - 1, 0), min(c + 2, columns)):
+            if best[j, i] > best[r, c]:
+                return True
+    return False
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _peaks(
     best: NDArray[np.float32],
@@ -234,11 +246,8 @@ def _peaks(
     n = 0
     for r in range(rows):
         for c in range(columns):
-            here, higher = best[r, c], False
-            for j in range(max(r - 1, 0), min(r + 2, rows)):
-                for i in range(max(c - 1, 0), min(c + 2, columns)):
-                    higher = higher or best[j, i] > here
-            if not higher and here > 0.0:
+            here = best[r, c]
+            if here > 0.0 and not _is_passed(best, r, c, columns):
                 found[n, 0], found[n, 1], found[n, 2], found[n, 3] = here, c, r, which[r, c]
                 n += 1
     return found[:n]
