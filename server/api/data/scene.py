@@ -60,4 +60,6 @@ def _view(path: RunPath, query: SceneQuery) -> RunView:
     view = access.run_for(path.run_id)
     if not scenes.has_level(view, query.trial, query.level):
         raise Problem("not-found", f"Run {view.id} has no such trial or level.")
+    if scenes.is_held_back(services().settings, view, query.trial):
+        raise Problem("not-found", f"Trial {query.trial} of run {view.id} is not shown yet.")
     return view

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from seamark.formats.jpeg import jpeg
 from seamark.server.programs import vehicles
+from seamark.server.runs.data import stored_files
 from seamark.server.runs.showing import camera_view
 from seamark.server.runs.showing.searches import search_of
 from seamark.server.runs.showing.views import RunView
@@ -42,6 +43,16 @@ def has_level(run: RunView, trial: int, level: int) -> bool:
     """Return whether the run has this trial and level."""
     levels = registry.benchmark(run.benchmark).restore(run.config).level_values()
     return trial < run.trials and level < len(levels)
+
+
+def is_held_back(settings: Settings, run: RunView, trial: int) -> bool:
+    """Return whether nobody may know the conditions of a trial yet: a fresh one without a row."""
+    protocol = registry.benchmark(run.benchmark).protocol
+    if run.seed is not None or protocol is None or trial < protocol.reference_trials:
+        return False
+    files = stored_files.of_run(settings, run)
+    first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
+    return first == after
 
 
 def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The scene of a run and the pictures of its surfaces."""
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from seamark.server.pages.run.player_data import player_data
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.scene import vehicle_shape, work_shape
+from seamark.sim import registry
 from seamark.sim.benchmarks.intervention.box import RAISED_M, BoxDraw, workpiece
 from seamark.sim.camera.seabed import TILE, texels
 from seamark.sim.metrics import recovery
@@ -90,6 +92,25 @@ def test_a_level_that_the_run_does_not_have_is_not_found(site: Site) -> None:
         for name in ("scene.json", "texture.jpg"):
             answer = site.call("owner", "GET", f"/api/v1/runs/{run_id}/{name}?{query}")
             problem_of(answer, 404, "not-found")
+
+
+def test_the_scene_of_a_fresh_trial_is_held_back_until_its_rows_are_shown(site: Site) -> None:
+    claim = site.running(kind="ranked", benchmark="recover-v1", controller="scripted")
+    protocol = registry.benchmark("recover-v1").protocol
+    assert protocol is not None
+    reference, fresh = protocol.reference_trials - 1, protocol.reference_trials
+
+    def answer(trial: int, name: str = "scene.json") -> Any:
+        address = f"/api/v1/runs/{claim.run_id}/{name}?trial={trial}"
+        return site.call("owner", "GET", address)
+
+    assert answer(reference).status_code == 200
+    for name in ("scene.json", "texture.jpg"):
+        problem_of(answer(fresh, name), 404, "not-found")
+    rows = lifted(0.6)
+    rows[:, INDEX["trial"]] = fresh
+    RunFiles(site.settings.data, claim.run_id, 1).append_rows(rows)
+    assert answer(fresh).status_code == 200
 
 
 def test_the_camera_image_without_outlines_is_the_bare_image(site: Site) -> None:
