@@ -64,14 +64,15 @@ export class Work {
       for (const { joint, moved } of parts) if (joint?.kind === "free") this.group.add(moved);
       return parts;
     });
-    for (const { drawn, joint } of this.parts.flat()) {
+    for (const { drawn, joint, isDecoy } of this.parts.flat()) {
       if (ghost && !joint) drawn.visible = false;
-      if (!colour && !ghost) soak(drawn, water);
+      // The box of a run has its colour, what looks like it keeps its own.
+      if (ghost || (colour && !isDecoy)) repaint(drawn, colour, ghost);
+      else {
+        soak(drawn, water);
+        write(drawn, (corners) => lettering(corners, isDecoy ? decoy : letters, ready, water));
+      }
     }
-    if (ghost || colour) repaint(this.group, colour, ghost);
-    else
-      for (const one of this.parts.flat())
-        write(one.drawn, (corners) => lettering(corners, one.isDecoy ? decoy : letters, ready, water));
     this.contact = new Contact();
   }
 
