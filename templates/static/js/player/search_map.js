@@ -196,7 +196,7 @@ export class SearchMap {
     /** @type {[string, string][]} */
     const figures = [
       ["Now", IN_WORDS[phaseOf(now)]],
-      ["Found after", stage ? number(stage.t - first.t, 1, "s") : "not found"],
+      ["Found after", stage ? number(stage.t - first.t, 1, "s") : "not yet"],
       [stage ? "Way until then" : "Way so far", number(wayUntil(rows, stage?.t ?? now.t), 1, "m")],
       ["Told position off by", number(distance(told, box), 2, "m")],
       ["Between the boxes", number(distance(box, decoy), 2, "m")],
