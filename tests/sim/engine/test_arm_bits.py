@@ -12,13 +12,15 @@ from seamark.sim import registry
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import WORK_INDEX
 
-for benchmark in ("recover-v1", "valve-v1", "mission-v1"):
+runs = {"recover-v1": "oracle", "valve-v1": "oracle", "mission-v1": "chain"}
+for benchmark, controller in runs.items():
     entry, rows = registry.benchmark(benchmark), []
-    config = entry.read({"levels": [0.1], "level_duration_s": 30.0, "images": "both"})
+    settings = {"levels": [0.1], "level_duration_s": 30.0, "images": "both"}
     if benchmark == "mission-v1":  # near enough to be found and gripped soon
-        near = {"start_offset_m": 2.5, "told_error_m": 0.5, "loop1_values": [0.5]}
-        config = entry.read(config.model_dump() | near)
-    program = entry.load().built_in("oracle", config)
+        settings |= {"level_duration_s": 40.0, "loop1_values": [0.5]}
+        settings |= {"start_offset_m": 2.0, "told_error_m": 0.5}
+    config = entry.read(settings)
+    program = entry.load().built_in(controller, config)
     result = run_trial(benchmark, config, program, seed=5, trial=0, on_rows=rows.append)
     held = np.concatenate(rows)[:, WORK_INDEX["work_arm_n"]] > 0.0
     print(result.digest, np.count_nonzero(held))
