@@ -29,6 +29,7 @@ from seamark.server.runs.data.files import RunFiles
 from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.control.velocity_controller import VelocityController
+from seamark.sim.detectors.faces.detector import OutlineDetector
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.warm_up import warm_up
@@ -57,11 +58,13 @@ _WITH_ARM = tuple(
     _Case(name, {"levels": [0.0, 0.2], "level_duration_s": 90.0, "images": "arm"}, 180.0)
     for name in ("recover-v1", "valve-v1", "connect-v1")
 )
+_MISSION = _Case("mission-v1", {}, 720.0)  # a whole trial
 # None of them is called within another one.
 _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
     "rendering": ((Camera, "region"), (ArmCamera, "follow")),
     "images of the camera on an arm": ((ArmCamera, "grey_on_arm"),),
     "tracker": ((TemplateTracker, "update"),),
+    "detector": ((OutlineDetector, "detect"),),
     "physics": ((Plant, "advance"), (Plant, "read_pose"), (ArmedPlant, "advance")),
     "sensors and position error": ((ClosedLoop, "_measure"),),
     "velocity controller": ((VelocityController, "step"),),
@@ -80,6 +83,7 @@ def rows() -> list[Row]:
     try:
         isolation = probe().level
         measured = _measure(_STATION, "built-in PI", "pi", IsolationLevel.NONE)
+        measured += _measure(_MISSION, "mission-v1, built-in chain", "chain", IsolationLevel.NONE)
         if isolation >= IsolationLevel.MEDIUM:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"
