@@ -63,11 +63,13 @@ class Stages:
     """How far a level may get, step by step: `reached` finds in its rows when it did.
 
     It returns the row at which each stage was reached, as far as they were, given the rows of a
-    level so far and the time from one to the next [s].
+    level so far and the time from one to the next [s]. `before` is what the way to the first one
+    is called, if it is to be seen like a stage.
     """
 
     stages: tuple[Stage, ...]
     reached: Callable[["Rows", float], tuple[int, ...]]
+    before: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +199,11 @@ class Benchmark:
     def stage_labels(self) -> tuple[str, ...]:
         """Labels of the stages of a level, if it has some."""
         return tuple(stage.label for stage in self.stages.stages) if self.stages else ()
+
+    @property
+    def before_stages(self) -> str | None:
+        """What comes before the first stage, if that is to be seen."""
+        return (self.stages.before or None) if self.stages else None
 
     @property
     def gym_id(self) -> str:

@@ -128,6 +128,7 @@ def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, 
                 "api": f"/api/v1/runs/{run.id}",
                 "columns": names,
                 "stages": registry.benchmark(run.benchmark).stage_labels,
+                "before": registry.benchmark(run.benchmark).before_stages,
             }
             for run, names in zip(runs, columns, strict=True)
         ],

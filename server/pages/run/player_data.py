@@ -52,6 +52,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": charts,
         "stages": benchmark.stage_labels,
+        "before": benchmark.before_stages,
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
             for column in telemetry.columns(width)

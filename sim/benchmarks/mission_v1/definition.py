@@ -17,7 +17,7 @@ BENCHMARK = intervention_benchmark(
     configuration=MissionConfiguration,
     metrics=mission.METRICS,
     metric_groups=(mission.GROUP, recovery.GROUP),
-    stages=Stages(mission.STAGES, mission.reached),
+    stages=Stages(mission.STAGES, mission.reached, before="Search"),
     built_in={
         "chain": "Built-in chain: search, recognise, recover, return",
     },

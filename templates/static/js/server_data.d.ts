@@ -39,6 +39,7 @@ export interface PlayerData {
   step_s: number;
   charts: Chart[];
   stages: string[]; // of a level, in their order; none but in interventions
+  before: string | null; // what comes before the first one
   columns: Column[];
   api: string;
   events_after: string;
@@ -242,7 +243,7 @@ export interface ComparedCurve {
 /** `compare-data` of the page that compares runs. */
 export interface CompareData {
   api: string;
-  runs: { id: number; api: string; columns: { name: string }[]; stages: string[] }[];
+  runs: { id: number; api: string; columns: { name: string }[]; stages: string[]; before: string | null }[];
   trial_s: number;
   trials: number;
   levels: string[];

@@ -1,7 +1,7 @@
 // How far a level got, as bands of the time line.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { bandAt, bandsOf, within } from "../../../templates/static/js/player/stages.js";
+import { BEFORE, bandAt, bandsFromStart, bandsOf, within } from "../../../templates/static/js/player/stages.js";
 
 const LEVELS = [{ t: 0 }, { t: 40 }];
 const REACHED = [
@@ -66,4 +66,20 @@ test("a level that is compared alone begins at zero", () => {
     { stage: 0, from: 0, to: 3 },
     { stage: 1, from: 3, to: 8 },
   ]);
+});
+
+test("what comes before the first stage is a band from the start of each level, also of one without stages", () => {
+  const levels = [...LEVELS, { t: 80 }, { t: 120 }];
+  const stages = [...REACHED, { level: 2, stage: 0, t: 120 }];
+  const before = bandsFromStart({ levels, stages }, 150, 40).filter(({ stage }) => stage === BEFORE);
+
+  assert.deepEqual(
+    before.map(({ from, to }) => [from, to]),
+    [
+      [0, 10],
+      [40, 52],
+      [80, 120],
+    ],
+  );
+  assert.equal(bandsFromStart({ levels: LEVELS.slice(0, 1) }, 15, 40)[0].to, 15); // a live run
 });

@@ -5,7 +5,7 @@
  */
 import { maybe } from "../dom.js";
 import { StageStrip } from "../player/stage_strip.js";
-import { bandsOf, within } from "../player/stages.js";
+import { within } from "../player/stages.js";
 
 export class ComparedStages {
   /**
@@ -18,9 +18,9 @@ export class ComparedStages {
     this.data = data;
     this.onMoments = onMoments;
     const onSeek = (/** @type {number} */ t) => playhead.seek(t);
-    this.strips = data.runs.map(({ id, stages }) => {
+    this.strips = data.runs.map(({ id, stages, before }) => {
       const strip = maybe(document, `[data-stages="${id}"]`, HTMLElement);
-      return strip && new StageStrip(strip, { labels: stages, duration: data.trial_s, onSeek });
+      return strip && new StageStrip(strip, { labels: stages, before, duration: data.trial_s, onSeek });
     });
     this.asked = 0;
   }
@@ -42,7 +42,7 @@ export class ComparedStages {
         if (moments) this.onMoments(index, moments);
         strip.duration = longest;
         const end = (start ?? 0) + (t[t.length - 1] ?? 0);
-        strip.show(moments ? within(bandsOf(moments, end), start ?? 0, end) : []);
+        strip.show(moments ? within(strip.bands(moments, end), start ?? 0, end) : []);
       }),
     );
   }

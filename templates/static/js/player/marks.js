@@ -5,7 +5,6 @@
  * @import { StageStrip } from "./stage_strip.js"
  */
 import { need } from "../dom.js";
-import { bandsOf } from "./stages.js";
 
 const AGAIN_MS = 30_000; // each request reads the whole trial
 const STAGES_AGAIN_MS = 5_000; // a level takes seconds, and one waits for its next stage
@@ -94,6 +93,6 @@ export class Marks {
   }
 
   bands() {
-    return bandsOf(this.moments, this.newest, this.level);
+    return this.stages?.bands(this.moments, this.newest, this.level) ?? [];
   }
 }

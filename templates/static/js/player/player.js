@@ -55,7 +55,8 @@ export class Player {
       api: data.api,
       duration: data.trial_s,
       level: data.level_s,
-      stages: strip && new StageStrip(strip, { labels: data.stages, duration: data.trial_s, onSeek }),
+      stages:
+        strip && new StageStrip(strip, { labels: data.stages, before: data.before, duration: data.trial_s, onSeek }),
     });
     this.marks.onChange = (moments) => {
       this.charts.setMoments(moments);

@@ -1,19 +1,23 @@
 // The stages of a trial above the slider of the player: what a band means is said where one points at it or taps it.
-/** @import { Band } from "./stages.js" */
+/**
+ * @import { Moments } from "../server_data.d.ts"
+ * @import { Band } from "./stages.js"
+ */
 import { clockText } from "./formatting.js";
-import { stageColour } from "./stages.js";
+import { bandsFromStart, bandsOf, stageColour } from "./stages.js";
 
 const SAID_MS = 4000; // after a tap
 
 export class StageStrip {
   /**
-   * labels: of the stages; duration: of the strip [s]
+   * labels: of the stages; before: what comes before the first one, if it is shown; duration: of the strip [s]
    * @param {HTMLElement} strip
-   * @param {{labels: string[], duration: number, onSeek: (t: number) => void}} options
+   * @param {{labels: string[], before?: string | null, duration: number, onSeek: (t: number) => void}} options
    */
-  constructor(strip, { labels, duration, onSeek }) {
+  constructor(strip, { labels, before = null, duration, onSeek }) {
     this.strip = strip;
     this.labels = labels;
+    this.before = before;
     this.duration = duration;
     this.onSeek = onSeek;
     this.shown = ""; // in short, so that the same bands are not made again under a finger
@@ -25,6 +29,17 @@ export class StageStrip {
     strip.addEventListener("pointerleave", ({ pointerType }) => {
       if (pointerType === "mouse") this.hush();
     });
+  }
+
+  /**
+   * The bands of a trial; see `bandsOf`.
+   * @param {Pick<Moments, "levels" | "stages">} moments
+   * @param {number} newest
+   * @param {number} [length]
+   * @returns {Band[]}
+   */
+  bands(moments, newest, length) {
+    return (this.before ? bandsFromStart : bandsOf)(moments, newest, length);
   }
 
   /** @param {Band[]} bands */
@@ -53,7 +68,7 @@ export class StageStrip {
 
   /** @param {Band} band */
   say({ stage, from, to }) {
-    this.note.textContent = `${this.labels[stage]}: ${clockText(from)}`;
+    this.note.textContent = `${this.labels[stage] ?? this.before}: ${clockText(from)}`;
     this.note.hidden = false;
     const middle = (from + to) / 2 / this.duration;
     // Within the strip, whose ends it would else pass.

@@ -3,7 +3,9 @@
 /** @import { Moments } from "../server_data.d.ts" */
 import { SAME_S } from "./rows.js";
 
-/** @typedef {{stage: number, from: number, to: number}} Band stages from 0, times in [s] */
+/** @typedef {{stage: number, from: number, to: number}} Band stages from 0, or BEFORE; times in [s] */
+
+export const BEFORE = -1; // what comes before the first stage of a level
 
 /**
  * newest: time up to which there are rows [s]; length: most that a level takes [s], where the newest one may not be
@@ -20,6 +22,22 @@ export function bandsOf({ levels, stages = [] }, newest, length = Infinity) {
     return reached.map(({ stage, t }, index) => ({ stage, from: t, to: reached[index + 1]?.t ?? end }));
   });
   return found.filter(({ from, to }) => to > from); // of two at once, the later stage counts
+}
+
+/**
+ * The same, and before the first stage of each level, or in all of it, a band of what it takes to get there.
+ * @param {Pick<Moments, "levels" | "stages">} moments
+ * @param {number} newest
+ * @param {number} [length]
+ * @returns {Band[]}
+ */
+export function bandsFromStart(moments, newest, length = Infinity) {
+  const found = bandsOf(moments, newest, length);
+  const before = moments.levels.map(({ t: from }, number) => {
+    const end = Math.min(from + length, moments.levels[number + 1]?.t ?? newest, newest);
+    return { stage: BEFORE, from, to: found.find((band) => band.from >= from && band.from < end)?.from ?? end };
+  });
+  return [...before.filter(({ from, to }) => to > from), ...found];
 }
 
 /**
