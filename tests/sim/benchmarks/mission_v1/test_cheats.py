@@ -69,14 +69,15 @@ class Thrower(Chain):
         return command
 
 
-def metrics(program: Any, trial: int) -> dict[str, Any]:
+def metrics(program: Any, trial: int, **settings: object) -> dict[str, Any]:
     rows: list[NDArray[np.float64]] = []
-    EXPERIMENT.level(CONFIG, program, seed=SEED, trial=trial, level=0).run(rows.append)
-    return EXPERIMENT.metrics(CONFIG, 0, np.concatenate(rows))
+    config = CONFIG.model_copy(update=settings)
+    EXPERIMENT.level(config, program, seed=SEED, trial=trial, level=0).run(rows.append)
+    return EXPERIMENT.metrics(config, 0, np.concatenate(rows))
 
 
-def of(controller: type[Any], trial: int) -> dict[str, Any]:
-    return metrics(Driver(controller(CONFIG.for_program())), trial)
+def of(controller: type[Any], trial: int, **settings: object) -> dict[str, Any]:
+    return metrics(Driver(controller(CONFIG.for_program())), trial, **settings)
 
 
 def test_the_chain_brings_the_right_box_in_most_trials() -> None:
@@ -95,7 +96,7 @@ def test_a_lawnmower_finds_the_box_and_no_more() -> None:
 
 
 def test_who_does_not_read_takes_the_wrong_box_now_and_then_and_pays_for_it() -> None:
-    greedy = [of(Greedy, trial) for trial in range(6)]
+    greedy = [of(Greedy, trial, detector="outline") for trial in range(6)]
 
     wrong = [one for one in greedy if one["wrong"]]
     assert wrong
@@ -103,7 +104,7 @@ def test_who_does_not_read_takes_the_wrong_box_now_and_then_and_pays_for_it() ->
 
 
 def test_who_takes_the_wrong_box_on_purpose_has_less_than_nothing() -> None:
-    contrary = [of(Contrary, trial) for trial in range(4)]
+    contrary = [of(Contrary, trial, least_confidence=0.0) for trial in range(4)]
 
     assert any(one["wrong"] for one in contrary)
     assert np.mean([one["credit"] for one in contrary]) < RECOGNISED
