@@ -43,7 +43,9 @@ export class Player {
     this.camera = new Camera(root, { api: data.api, step: data.step_s });
     this.layout = new Layout(root);
     this.fullScreen = new FullScreen(root);
-    const stage = data.stages.length ? (/** @type {Row} */ { t }) => this.charts.stageAt(t) || "none yet" : null;
+    const stage = data.stages.length
+      ? (/** @type {Row} */ { t }) => this.charts.stageAt(t) || (data.before ?? "none yet")
+      : null;
     this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns, stage);
     this.scene = new SceneBox(need(root, "[data-scene]", HTMLElement), { api: data.api }, this.memory);
     const mapBox = maybe(root, "[data-search-map]", HTMLElement);
