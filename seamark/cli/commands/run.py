@@ -74,7 +74,7 @@ def run(  # noqa: PLR0913  # one argument per option
       seamark run currents-v2 --config config.json --json
       seamark run visibility-v2 --set tracker=esm --set warp=srt
       seamark run visibility-v2 --controller my_tracker.py
-      seamark run mission-v1 --controller resolved-rate --detector-program my_detector.py
+      seamark run mission-v1 --controller chain --detector-program my_detector.py
     """
     from seamark.cli.extras import absent_in_box
     from seamark.cli.output_folder import OutputFolder
