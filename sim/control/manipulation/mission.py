@@ -11,7 +11,7 @@ from typing import ClassVar
 from seamark.sim.control.manipulation import recover
 from seamark.sim.control.manipulation.approach import SEE, Approach, turned
 from seamark.sim.control.manipulation.arm_data import Vector
-from seamark.sim.control.manipulation.kinematics import Matrix, applied, rotation
+from seamark.sim.control.manipulation.kinematics import Matrix, applied, minus, rotation
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import PI, sincos
 
@@ -30,10 +30,25 @@ LOST_S = 3.0  # without the box, before it goes on
 SAME_M = 0.6  # between sightings of one box
 
 
-class Delivery(recover.Recover):
-    """A recovery that goes on: the box is brought to where the vehicle started."""
+class Traveller(recover.Recover):
+    """Goes from place to place first, with the camera above each."""
 
     FASTEST_M_S = 0.4
+
+    def _camera_place(self, tilt: Matrix, yaw: float) -> Point:
+        """Return where the camera is."""
+        north, east = turned(applied(tilt, self.camera.mount_m), yaw)
+        return self.place[0] + north, self.place[1] + east
+
+    def _go_on(self, off: Point, down: float, yaw: float, observation: Observation) -> list[float]:
+        """Return surge, sway and heave to what is so far off, north and east, and so far down."""
+        ahead, side = turned((*off, 0.0), -yaw)
+        self.falling = 0.0
+        return Approach._fly(self, (ahead, side, down), yaw, observation)
+
+
+class Delivery(Traveller):
+    """A recovery that goes on: the box is brought to where the vehicle started."""
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Forget everything."""
@@ -61,25 +76,27 @@ class Delivery(recover.Recover):
 
     def _reckon_back(self) -> None:
         """Take the drift off that the reckoning had before it was known."""
-        for axis in (0, 1):
-            off = self.drift[axis] * self.unknown_s
-            self.place[axis] -= off
-            if self.work is not None:
-                self.work = tuple(x - off if k == axis else x for k, x in enumerate(self.work))  # type: ignore[assignment]
+        north, east = (one * self.unknown_s for one in self.drift)
+        self.place = [self.place[0] - north, self.place[1] - east]
+        if self.work is not None:
+            self.work = minus(self.work, (north, east, 0.0))
         self.unknown_s = 0.0
 
     def _fly(self, error: Vector, yaw: float, observation: Observation) -> list[float]:
-        if self.phase != HOME or self._home is None:
+        if self.phase != HOME:
             return super()._fly(error, yaw, observation)
-        north, east = self._home
-        ahead, side = turned((north - self.place[0], east - self.place[1], 0.0), -yaw)
+        ahead, side = turned(self._way_home(), -yaw)
         roll, pitch, _ = self._attitude(observation)
         point = self.kinematics.tool(self._joints(observation)).point
         tool = applied(rotation(roll, pitch, 0.0), point)
         wanted = ahead - tool[0], side - tool[1], 0.0
-        self.falling = 0.0
         surge, sway, _ = Approach._fly(self, wanted, yaw, observation)
         return [surge, sway, self._rise(observation)]
+
+    def _way_home(self) -> Vector:
+        """Return how far the start is, north and east."""
+        north, east = self._home or (0.0, 0.0)
+        return north - self.place[0], east - self.place[1], 0.0
 
     def _folded(self) -> bool:
         return self.phase >= recover.LIFT
@@ -121,16 +138,11 @@ class Chain(Delivery, recover.ResolvedRate):
             self._search(seen)
         else:
             self._inspect(seen, observation)
-        camera = turned(applied(tilt, self.camera.mount_m), yaw)
-        here = self.place[0] + camera[0], self.place[1] + camera[1]
-        north, east, depth = self._goal(observation)
+        here, (north, east, depth) = self._camera_place(tilt, yaw), self._goal(observation)
         if self.phase == SEARCH and math.dist(here, (north, east)) < ARRIVED_M:
             self.at += 1
-        ahead, side = turned((north - here[0], east - here[1], 0.0), -yaw)
-        self.falling = 0.0
-        wanted = ahead, side, depth - self._depth(observation)
-        surge, sway, heave = Approach._fly(self, wanted, yaw, observation)
-        return [surge, sway, heave, 0.0, *self._posture(joints, 0.0)]
+        off, down = (north - here[0], east - here[1]), depth - self._depth(observation)
+        return [*self._go_on(off, down, yaw, observation), 0.0, *self._posture(joints, 0.0)]
 
     def _sighting(self, observation: Observation, tilt: Matrix, yaw: float) -> Vector | None:
         """Return where the face of a box is, unless it is known to be a wrong one."""
@@ -193,11 +205,10 @@ def _ring(radius_m: float) -> list[Point]:
 PLACES: tuple[Point, ...] = ((0.0, 0.0), *(place for ring in RINGS_M for place in _ring(ring)))
 
 
-class Lawnmower(recover.Scripted):
+class Lawnmower(Traveller):
     """Flies lanes over the place told, and never looks."""
 
     label = "Blind lawnmower"
-    FASTEST_M_S = 0.4
     LANES: ClassVar[tuple[Point, ...]] = tuple(
         (1.8 * end * (-1.0) ** lane, 0.9 * (lane - 2)) for lane in range(5) for end in (-1.0, 1.0)
     )
@@ -212,13 +223,10 @@ class Lawnmower(recover.Scripted):
         roll, pitch, yaw = self._attitude(observation)
         tilt, joints = rotation(roll, pitch, 0.0), self._joints(observation)
         self._reckon(applied(tilt, self._velocity(observation)), yaw)
-        camera = turned(applied(tilt, self.camera.mount_m), yaw)
-        here = self.place[0] + camera[0], self.place[1] + camera[1]
-        told: list[float] = observation.told.tolist()
+        here, told = self._camera_place(tilt, yaw), observation.told.tolist()
         lane = self.LANES[min(self.at, len(self.LANES) - 1)]
         goal = told[0] + lane[0], told[1] + lane[1]
         if math.dist(here, goal) < ARRIVED_M:
             self.at += 1
-        ahead, side = turned((goal[0] - here[0], goal[1] - here[1], 0.0), -yaw)
-        surge, sway, _ = Approach._fly(self, (ahead, side, 0.0), yaw, observation)
-        return [surge, sway, 0.0, 0.0, *self._posture(joints, 0.0)]
+        off = goal[0] - here[0], goal[1] - here[1]
+        return [*self._go_on(off, 0.0, yaw, observation), 0.0, *self._posture(joints, 0.0)]
