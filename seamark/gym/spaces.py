@@ -20,6 +20,7 @@ from seamark.sim.control.observation import (
     PER_FEELER,
     PER_MOTOR,
     PER_THRUSTER,
+    SEARCH_FIELDS,
     Observation,
     arm_size,
     joint_limits,
@@ -49,16 +50,21 @@ _BOUNDS = {
     "target_age": (0.0, _UNBOUNDED),
     "velocity_valid": (0.0, 1.0),
     "touch": (0.0, 1.0),
+    "confidence": (0.0, 1.0),
     "image_t": (0.0, _UNBOUNDED),
 }
 
 
 def named(
-    observation: NDArray[np.float64] | Mapping[str, NDArray[Any]], *, arm: str = NO_ARM
+    observation: NDArray[np.float64] | Mapping[str, NDArray[Any]],
+    *,
+    arm: str = NO_ARM,
+    search: bool = False,
 ) -> Observation:
     """Return an observation by name, as an uploaded controller gets it: `named(obs).error`.
 
-    `arm` is the one that the vehicle carries, if any.
+    `arm` is the one that the vehicle carries, if any; `search` is whether its target has to be
+    found first, as in mission-v1.
     """
     size = None if arm == NO_ARM else arm_size(load_linkage(arm))
     images = None
@@ -66,7 +72,7 @@ def named(
         parts = observation
         observation = parts[STATE]
         images = {key.removeprefix(IMAGE): parts[key] for key in parts if key != STATE}
-    return Observation(np.asarray(observation, dtype=np.float64), size, images)
+    return Observation(np.asarray(observation, dtype=np.float64), size, images, search=search)
 
 
 def most_thrusters(config: StationKeepingSettings) -> int:
@@ -87,8 +93,12 @@ def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.floa
     high: list[float] = []
     arm = config.chosen_arm()
     size = arm and arm_size(arm)
-    further = (ARM_FIELDS if size else ()) + (IMAGE_FIELDS if config.cameras_of_program() else ())
-    for name, count, _unit, _meaning in FIELDS + further:
+    further = (
+        *(ARM_FIELDS if size else ()),
+        *(SEARCH_FIELDS if config.searches() else ()),
+        *(IMAGE_FIELDS if config.cameras_of_program() else ()),
+    )
+    for name, count, _unit, _meaning in (*FIELDS, *further):
         numbers = most_thrusters(config) if count == PER_THRUSTER else max(count, 1)
         if size and count in {PER_MOTOR, PER_FEELER}:
             numbers = size.count(count)

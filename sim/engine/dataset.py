@@ -12,7 +12,7 @@ from typing import Any
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.archive_writing import Line, csv_lines, json_file, png, zipped
 from seamark.sim.engine.dataset_layouts import Coco, Layout, Tum, Yolo
-from seamark.sim.engine.replay import CameraFrame, Replay, Row, trial_and_level
+from seamark.sim.engine.replay import CameraFrame, Replay, Row, starts_of, trial_and_level
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import INDEX, Digest, Rows
 from seamark.sim.settings.configuration import Configuration
@@ -66,7 +66,9 @@ z down. Image points in px: u to the right, v down, pixel centres at whole numbe
 One line per level: `value` is what the benchmark changes from level to level, `file` the image in
 starts/ from which a tracker learns the target (in visibility-v1 rendered in the water of the first
 level), the corners those it is given: the true ones plus the configured start error. The image
-belongs to the first step of the level; a tracker's results count from the second one.
+belongs to the first step of the level; a tracker's results count from the second one. Where the
+target has to be found first, there is a line for each time that a tracker took over what the
+detector had found, with its corners.
 
 ## camera.json
 - `optics`: `matrix` is the pinhole's; no distortion. `mount_m` is the position of the camera in
@@ -227,7 +229,7 @@ def _starts(
     lines: list[Line] = []
     for trial, level in _levels(selected):
         here = rows[(rows[:, INDEX["trial"]] == trial) & (rows[:, INDEX["level"]] == level)]
-        for number, row in enumerate(here[:: config.images_per_start(level) or len(here)]):
+        for number, row in enumerate(starts_of(here, config.images_per_start(level))):
             frame, corners = replay.start(row)
             name = f"{level:03d}-{number:02d}.png" if number else f"{level:03d}.png"
             given = [float(value) for value in corners.ravel()]

@@ -21,6 +21,7 @@ from seamark.sim.recording.telemetry import (
     INDEX,
     SEARCH_INDEX,
     WORK_INDEX,
+    Rows,
     has_arm,
     has_search,
     has_work,
@@ -34,6 +35,7 @@ _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 _JOINTS = slice(ARM_INDEX["joint_0"], ARM_INDEX["joint_ref_0"])  # and their speeds
 _WORK = slice(WORK_INDEX["workpiece_x"], WORK_INDEX["reach"])
 _DECOY = slice(SEARCH_INDEX["decoy_x"], SEARCH_INDEX["decoy_arm_n"])
+_FOUND = slice(SEARCH_INDEX["found_x0"], SEARCH_INDEX["found_confidence"])
 _CACHED_CAMERAS = 12  # one per level
 
 
@@ -127,7 +129,7 @@ class Replay:
         return CameraFrame(self.camera(trial, level), motion, number)
 
     def start(self, row: Row) -> tuple[CameraFrame, Row]:
-        """Return what the tracker started from, given the first row of a level.
+        """Return what the tracker started from, given the row at which it did.
 
         Returns
         -------
@@ -135,12 +137,28 @@ class Replay:
             The frame from which the tracker learned the target; its water may differ from that of
             the level.
         (4, 2) [px]
-            The corners it was given: the true ones plus the configured start error.
+            The corners it was given: the true ones plus the configured start error, or what a
+            detector found.
         """
         trial, level = trial_and_level(row)
         frame = self.frame(row)
+        if has_search(len(row)):  # what a detector found: the tracker starts in the image of it
+            return frame, row[_FOUND].reshape(4, 2).copy()
         learned = CameraFrame(self._first_camera(trial, level), frame.motion, frame.number)
         return learned, frame.corners() + self._start_error(trial, level)
+
+
+def starts_of(rows: Rows, every: int) -> Rows:
+    """Return the rows of a level at which its tracker was started.
+
+    That is the first one, and then every so many if it is not 0. Where the target has to be found
+    first, it is whenever the tracker took over what a detector had found.
+    """
+    if not has_search(rows.shape[1]):
+        return rows[:: every or len(rows)]
+    corners = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
+    took_over: Rows = rows[(rows[:, corners] == rows[:, _FOUND]).all(axis=1)]
+    return took_over
 
 
 def trial_and_level(row: Row) -> tuple[int, int]:

@@ -46,8 +46,10 @@ def test_the_bytes_do_not_depend_on_how_many_processes_write_them(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("benchmark", ARMED)
-@pytest.mark.parametrize("expert", ["scripted", "resolved-rate"])
+@pytest.mark.parametrize(
+    ("benchmark", "expert"),
+    [(name, expert) for name in ARMED for expert in registry.benchmark(name).built_in],
+)
 def test_every_benchmark_with_an_arm_has_demonstrations_of_its_experts(
     demonstrations: Command, tmp_path: Path, benchmark: str, expert: str
 ) -> None:
@@ -157,7 +159,7 @@ def test_the_levels_take_turns() -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("currents-v2",), "currents-v2 has no demonstrations. Benchmarks that have some: recover"),
+        (("currents-v2",), "currents-v2 has no demonstrations. Benchmarks that have some: mission"),
         (("turn-v9",), "There is no benchmark turn-v9"),
         (("valve-v1", "--expert", "oracle"), "There is no built-in solution oracle. Available: re"),
         (("valve-v1", "--seed", "2147483647"), "the seed of the last episode would be beyond"),

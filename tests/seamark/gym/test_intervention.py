@@ -37,10 +37,21 @@ def env_of(gym_id: str, **options: Any) -> Env:
     return gymnasium.make(gym_id, **options).unwrapped
 
 
+def expert_of(gym_id: str) -> str:
+    """Return the name of the first built-in controller of a benchmark."""
+    return next(iter(registry.benchmark(INTERVENTIONS[gym_id]).built_in))
+
+
+def settings_of(gym_id: str, settings: dict[str, object]) -> dict[str, object]:
+    """Return settings with a single level for each current."""
+    grid = "loop1_values" if gym_id == "seamark/Mission-v1" else ""
+    return settings | ({grid: [0.5]} if grid else {})
+
+
 def controller_of(gym_id: str, config: Any, trial: int) -> Any:
     """Return the built-in controller of a benchmark, at the start of a level."""
     task = registry.benchmark(INTERVENTIONS[gym_id]).load().task  # type: ignore[attr-defined]
-    made = resolve_name(registry.controller_path("resolved-rate", task))
+    made = resolve_name(registry.controller_path(expert_of(gym_id), task))
     controller = made(config.for_trial(trial).for_program())
     controller.reset({"dt": config.control_period_s})
     return controller
@@ -53,7 +64,8 @@ def steps(env: Env, gym_id: str, settings: dict[str, object], seed: int | None) 
     controller, over = controller_of(gym_id, config, info["trial"]), False
     while not over:
         row = env.telemetry  # type: ignore[attr-defined]
-        action = np.array(controller.step(named(observation, arm=config.arm)))
+        seen = named(observation, arm=config.arm, search=config.searches())
+        action = np.array(controller.step(seen))
         before = info
         observation, reward, _terminated, over, info = env.step(action)
         yield row, before, reward, info
@@ -62,7 +74,9 @@ def steps(env: Env, gym_id: str, settings: dict[str, object], seed: int | None) 
 @pytest.mark.parametrize("reward", REWARDS)
 @pytest.mark.parametrize("gym_id", INTERVENTIONS)
 def test_the_environment_passes_gymnasiums_checker(gym_id: str, reward: str) -> None:
-    env = env_of(gym_id, settings=SHORT, reward=reward, render_mode="rgb_array")
+    env = env_of(
+        gym_id, settings=settings_of(gym_id, SHORT), reward=reward, render_mode="rgb_array"
+    )
 
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*infinity")  # a position has no bound
@@ -73,16 +87,16 @@ def test_the_environment_passes_gymnasiums_checker(gym_id: str, reward: str) -> 
 @pytest.mark.parametrize("gym_id", INTERVENTIONS)
 def test_the_episodes_of_a_seed_are_the_run_with_that_seed(gym_id: str) -> None:
     entry = registry.benchmark(INTERVENTIONS[gym_id])
-    config: Any = entry.read(SHORT)
+    config: Any = entry.read(settings_of(gym_id, SHORT))
     rows: list[Any] = []
     for trial in range(2):
-        solution = entry.load().built_in("resolved-rate", config)
+        solution = entry.load().built_in(expert_of(gym_id), config)
         run_trial(entry.name, config, solution, seed=5, trial=trial, on_rows=rows.append)
     expected = {(row[0], row[2]): row.copy() for part in rows for row in part}
-    env, compared = env_of(gym_id, settings=SHORT), 0
+    env, compared = env_of(gym_id, settings=settings_of(gym_id, SHORT)), 0
 
     for episode in range(4):
-        for row, *_ in steps(env, gym_id, SHORT, None if episode else 5):
+        for row, *_ in steps(env, gym_id, settings_of(gym_id, SHORT), None if episode else 5):
             reference = expected[row[0], row[2]]
             reference[OF_THE_NEXT_ACTION] = 0.0
             np.testing.assert_array_equal(row, reference)
@@ -95,12 +109,19 @@ def test_the_episodes_of_a_seed_are_the_run_with_that_seed(gym_id: str) -> None:
 @pytest.mark.parametrize("gym_id", INTERVENTIONS)
 def test_the_sparse_rewards_of_a_level_add_up_to_its_credit(gym_id: str) -> None:
     entry = registry.benchmark(INTERVENTIONS[gym_id])
-    config: Any = entry.read(WHOLE)
-    solution = entry.load().built_in("resolved-rate", config)
+    config: Any = entry.read(settings_of(gym_id, WHOLE))
+    solution = entry.load().built_in(expert_of(gym_id), config)
     run = run_trial(entry.name, config, solution, seed=5, trial=0, on_rows=lambda _: None)
     credit = run.levels[0]["credit"]
 
-    taken = [*steps(env_of(gym_id, settings=WHOLE, reward="sparse"), gym_id, WHOLE, 5)]
+    taken = [
+        *steps(
+            env_of(gym_id, settings=settings_of(gym_id, WHOLE), reward="sparse"),
+            gym_id,
+            settings_of(gym_id, WHOLE),
+            5,
+        )
+    ]
 
     rewards, (*_, last) = [reward for _, _, reward, _ in taken], taken[-1]
     assert credit > 0.2
@@ -114,7 +135,9 @@ def test_the_sparse_rewards_of_a_level_add_up_to_its_credit(gym_id: str) -> None
 def test_the_dense_reward_is_the_credit_gained_and_the_way_of_the_tool_to_the_grip(
     gym_id: str,
 ) -> None:
-    for _, before, reward, after in steps(env_of(gym_id, settings=SHORT), gym_id, SHORT, 5):
+    for _, before, reward, after in steps(
+        env_of(gym_id, settings=settings_of(gym_id, SHORT)), gym_id, settings_of(gym_id, SHORT), 5
+    ):
         gained = after["credit"] - before["credit"]
         closer = before["reach"] - after["reach"]
 

@@ -30,7 +30,7 @@ def test_the_scene_of_a_detector_is_the_bottom_of_its_level_without_a_target(sit
 
     assert (scene["target"], scene["vehicle"]) == (None, None)
     assert scene["seabed"]["painted"]
-    assert np.abs(first.astype(int) - second).mean() > 10.0
+    assert np.abs(first.astype(int) - second).mean() > 1.0  # both may be sand, with other things
 
 
 def test_the_page_of_a_detector_lists_no_column_that_says_nothing(site: Site) -> None:
