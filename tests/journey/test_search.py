@@ -19,7 +19,7 @@ LEVEL_S = 20.0
 
 
 def test_the_map_of_a_search_plays_with_the_time_line(visitor: Visitor) -> None:
-    visitor.sign_up("searching")
+    visitor.sign_up("seeking")
     number = visitor.submit(MISSION)
     visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
     page = visitor.page
@@ -47,7 +47,7 @@ def test_the_map_of_a_search_plays_with_the_time_line(visitor: Visitor) -> None:
 
 
 def test_the_maps_of_two_searches_are_beside_each_other(visitor: Visitor) -> None:
-    visitor.sign_up("comparing")
+    visitor.sign_up("mapping")
     numbers = [visitor.submit(MISSION | {"seed": seed}) for seed in (5, 6)]
     for number in numbers:
         visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
