@@ -157,9 +157,11 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
 
     def _begin(self, episode: Episode) -> None:
         self.close()
-        indices = {"trial": episode.trial, "level": episode.level}
-        self._world = self._experiment.world(self._config, seed=episode.seed, **indices)
-        indices["position"] = episode.position
+        trial, level = episode.trial, episode.level
+        self._world = self._experiment.world(
+            self._config, seed=episode.seed, trial=trial, level=level
+        )
+        indices = {"trial": trial, "level": level, "position": episode.position}
         self._loop = (
             _ThrusterLoop(self._world, self._held, **indices)
             if self._by_thrusters

@@ -10,6 +10,7 @@ from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialPlan
 from seamark.sim.engine.program import BuiltIn, Program
+from seamark.sim.engine.team import Team
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.engine.world import (
     Conditions,
@@ -60,16 +61,18 @@ class InCurrent(Generic[Settings]):
     def level(
         self,
         config: Settings,
-        solution: Program,
+        solution: Program | Team,
         *,
         seed: int,
         trial: int,
         level: int,
     ) -> ClosedLoop:
         """Return a level with the vehicle at its start."""
-        world = self.world(config, seed=seed, trial=trial, level=level)
+        team = solution if isinstance(solution, Team) else Team(solution)
+        world = self.world(config, seed=seed, trial=trial, level=level, team=team)
         order = self.plan(config, seed=seed, trial=trial).order
-        return ClosedLoop(world, solution, trial=trial, level=level, position=order.index(level))
+        position = order.index(level)
+        return ClosedLoop(world, team.controller, trial=trial, level=level, position=position)
 
     def tool_m(self, config: Settings) -> tuple[float, float] | None:
         """Return the point of the body, forward and starboard [m], that counts; None: the pose."""
@@ -99,11 +102,14 @@ class InCurrent(Generic[Settings]):
         """Return the constant error of each joint of an arm, or of all [rad]; none."""
         return (0.0,)
 
-    def world(self, config: Settings, *, seed: int, trial: int, level: int) -> World:
-        """Return the world of a level."""
+    def world(
+        self, config: Settings, *, seed: int, trial: int, level: int, team: Team | None = None
+    ) -> World:
+        """Return the world of a level, with the tracker and the detector of a team, if any."""
         conditions, random = self._conditions(config, seed=seed, trial=trial, level=level)
         config = self.at(config, seed=seed, trial=trial, level=level)
-        return build_world(config, conditions, random)
+        tracker, detector = (team.tracker, team.detector) if team else (None, None)
+        return build_world(config, conditions, random, tracker=tracker, detector=detector)
 
     def craft(self, config: Settings, *, seed: int, trial: int, level: int) -> Craft:
         """Return the world of a level without its camera, at a fraction of the cost."""

@@ -10,10 +10,7 @@ from seamark.sim.benchmarks.mission_v1 import scene
 from seamark.sim.benchmarks.mission_v1.settings import MissionConfiguration
 from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.target import Target
-from seamark.sim.engine.closed_loop import ClosedLoop
-from seamark.sim.engine.program import Program
-from seamark.sim.engine.team import Team
-from seamark.sim.engine.world import Conditions, World, build_world
+from seamark.sim.engine.world import Conditions
 from seamark.sim.metrics import mission
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.random_streams import Streams, streams
@@ -25,22 +22,6 @@ class Mission(Intervention[MissionConfiguration]):
 
     task = "mission"
     not_tried = "The box was not found in either of the two levels with the weakest current."
-
-    def level(
-        self,
-        config: MissionConfiguration,
-        solution: Program | Team,
-        *,
-        seed: int,
-        trial: int,
-        level: int,
-    ) -> ClosedLoop:
-        """Return a level with the vehicle at its start."""
-        team = solution if isinstance(solution, Team) else Team(solution)
-        world = self._world_of(config, team, seed=seed, trial=trial, level=level)
-        order = self.plan(config, seed=seed, trial=trial).order
-        position = order.index(level)
-        return ClosedLoop(world, team.controller, trial=trial, level=level, position=position)
 
     def attempt(self, config: MissionConfiguration, rows: Rows) -> mission.Mission:
         """Return the rows of a level for its metrics."""
@@ -68,14 +49,6 @@ class Mission(Intervention[MissionConfiguration]):
     def bottom(self, config: MissionConfiguration, *, seed: int, trial: int, level: int) -> Tiles:
         """Return the seabed with its litter."""
         return scene.seabed(config.litter, seed, trial, level)
-
-    def _world_of(
-        self, config: MissionConfiguration, team: Team, *, seed: int, trial: int, level: int
-    ) -> World:
-        """Return the world of a level with the programs of a team."""
-        conditions, random = self._conditions(config, seed=seed, trial=trial, level=level)
-        here = self.at(config, seed=seed, trial=trial, level=level)
-        return build_world(here, conditions, random, tracker=team.tracker, detector=team.detector)
 
     def _conditions(
         self, config: MissionConfiguration, *, seed: int, trial: int, level: int

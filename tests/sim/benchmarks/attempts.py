@@ -16,13 +16,15 @@ class Driver:
 
     def __init__(self, controller: Any, config: Any) -> None:
         self._controller, self._size = controller, arm_size(config.the_arm())
+        self._searches = config.searches()
         self.commands: list[Command] = []
 
     def reset(self, level: Any) -> None:
         self._controller.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        command = tuple(map(float, self._controller.step(Observation(values, self._size))))
+        observation = Observation(values, self._size, search=self._searches)
+        command = tuple(map(float, self._controller.step(observation)))
         self.commands.append(command)
         return command
 

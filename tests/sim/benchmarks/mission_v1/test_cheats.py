@@ -11,31 +11,14 @@ from seamark.sim.benchmarks.mission_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.mission_v1.settings import MissionConfiguration
 from seamark.sim.control.manipulation.mission import SEARCH, Chain, Lawnmower
 from seamark.sim.control.manipulation.recover import LIFT
-from seamark.sim.control.observation import Observation, arm_size
-from seamark.sim.engine.program import Command
+from seamark.sim.control.observation import Observation
 from seamark.sim.metrics.mission import STAGES, WRONG
-from tests.sim.benchmarks.attempts import Playback
+from tests.sim.benchmarks.attempts import Driver, Playback
 
 pytestmark = pytest.mark.slow
 CONFIG = MissionConfiguration.read({"levels": [0.1], "loop1_values": [0.5]})
 SEED = 2026
 RECOGNISED = STAGES[1].credit
-
-
-class Driver:
-    """A `Program` out of a controller; it keeps its commands."""
-
-    def __init__(self, controller: Any) -> None:
-        self._controller, self._size = controller, arm_size(CONFIG.the_arm())
-        self.commands: list[Command] = []
-
-    def reset(self, level: Any) -> None:
-        self._controller.reset(level)
-
-    def step(self, values: NDArray[np.float64]) -> Command:
-        observation = Observation(values, self._size, search=True)
-        self.commands.append(tuple(map(float, self._controller.step(observation))))
-        return self.commands[-1]
 
 
 class Stay(Chain):
@@ -77,7 +60,7 @@ def metrics(program: Any, trial: int, **settings: object) -> dict[str, Any]:
 
 
 def of(controller: type[Any], trial: int, **settings: object) -> dict[str, Any]:
-    return metrics(Driver(controller(CONFIG.for_program())), trial, **settings)
+    return metrics(Driver(controller(CONFIG.for_program()), CONFIG), trial, **settings)
 
 
 def test_the_chain_brings_the_right_box_in_most_trials() -> None:
@@ -118,7 +101,7 @@ def test_a_box_that_is_let_go_on_the_way_is_not_brought() -> None:
 
 
 def test_commands_that_did_a_mission_once_do_no_other() -> None:
-    honest = Driver(Chain(CONFIG.for_program()))
+    honest = Driver(Chain(CONFIG.for_program()), CONFIG)
     assert metrics(honest, 0)["completed"]
 
     others = [metrics(Playback(honest.commands), trial)["credit"] for trial in (1, 2, 3)]
