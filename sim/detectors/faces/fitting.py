@@ -104,6 +104,13 @@ def region(image: Plane, at: Map) -> Region:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def on_face(here: Region, at: Map, column: int, row: int) -> tuple[float, float]:
+    """Return where a pixel is in face coordinates."""
+    du, dv = column - at.u, row - at.v
+    return here.xu * du + here.xv * dv, here.yu * du + here.yv * dv
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def looked_up(picture: Texels, x: float, y: float) -> tuple[float, float, float]:
     """Return a picture's value at a place on the face, and its slopes along x and y."""
     rows, columns = picture.shape
@@ -163,8 +170,7 @@ def levels(image: Plane, at: Map, look: Look) -> Levels:
     counts, sums = np.zeros(_SIDES), np.zeros(_SIDES)
     for r in range(here.top, here.bottom + 1, skip):
         for c in range(here.left, here.right + 1, skip):
-            du, dv = c - at.u, r - at.v
-            x, y = here.xu * du + here.xv * dv, here.yu * du + here.yv * dv
+            x, y = on_face(here, at, c, r)
             if abs(x) > HALF_LENGTH + _MARGIN or abs(y) > HALF_WIDTH + _MARGIN:
                 continue
             mx, _ = _cover(x, HALF_LENGTH, here.long_px / look.ramp_px)
@@ -228,8 +234,7 @@ def agreement(image: Plane, at: Map, look: Look, have: Levels) -> float:
     n, total, squares, wrong = 0.0, 0.0, 0.0, 0.0
     for r in range(here.top, here.bottom + 1, skip):
         for c in range(here.left, here.right + 1, skip):
-            du, dv = c - at.u, r - at.v
-            x, y = here.xu * du + here.xv * dv, here.yu * du + here.yv * dv
+            x, y = on_face(here, at, c, r)
             if abs(x) > HALF_LENGTH + _MARGIN or abs(y) > HALF_WIDTH + _MARGIN:
                 continue
             grey = float(image[r, c])
@@ -257,8 +262,7 @@ def step(image: Plane, at: Map, look: Look) -> Map:
     limit = _OUTLIER * max(have.spread, NOISE)
     for r in range(here.top, here.bottom + 1, skip):
         for c in range(here.left, here.right + 1, skip):
-            du, dv = c - at.u, r - at.v
-            x, y = here.xu * du + here.xv * dv, here.yu * du + here.yv * dv
+            x, y = on_face(here, at, c, r)
             if abs(x) > HALF_LENGTH + _MARGIN or abs(y) > HALF_WIDTH + _MARGIN:
                 continue
             model, gx, gy = _expected(here, look, have, x, y)

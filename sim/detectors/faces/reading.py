@@ -11,6 +11,7 @@ from seamark.sim.detectors.faces.fitting import (
     Plane,
     letter_field,
     looked_up,
+    on_face,
     region,
 )
 from seamark.sim.detectors.faces.picture import ALPHABET, LETTERS, Texels
@@ -32,8 +33,7 @@ def misfits(
     out, pixels = np.zeros((LETTERS, ALPHABET)), 0.0
     for r in range(here.top, here.bottom + 1):
         for c in range(here.left, here.right + 1):
-            du, dv = c - at.u, r - at.v
-            x, y = here.xu * du + here.xv * dv, here.yu * du + here.yv * dv
+            x, y = on_face(here, at, c, r)
             field = letter_field(x, y)
             if field < 0:
                 continue
