@@ -5,22 +5,22 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.detectors import declaration, option_errors, option_names
+from seamark.sim.detectors import declaration
 from seamark.sim.registry import BOX_DETECTORS
 from seamark.sim.settings.declared import declarations, labels, with_options
+from seamark.sim.settings.detector import ChosenDetector, detector_setting
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.setting import setting
 
 TARGET_LABEL = "box"  # of `patterns.CLASSES`: the answers that count
 GROUP = "Search"
 LONGEST_PERIOD_S = 10.0  # from one image of the detector to the next
-detector_setting = partial(setting, group="Detector", role="solution")
 search_setting = partial(setting, group=GROUP, role="scenario")
 _DECLARED = declarations(BOX_DETECTORS, declaration)
 
 
 @with_options("detector", _DECLARED, detector_setting)
-class SearchSettings(ExperimentSettings):
+class SearchSettings(ChosenDetector, ExperimentSettings):
     """Which detector looks for the target, how often, and how far off the vehicle starts."""
 
     detector: str = detector_setting(
@@ -97,19 +97,9 @@ class SearchSettings(ExperimentSettings):
         """Return whether what the arm works on has to be found first: always."""
         return True
 
-    def detector_options(self) -> dict[str, object]:
-        """Return the options of the chosen detector."""
-        return {name: getattr(self, name) for name in option_names(self.detector)}
-
-    def exact(self) -> bool:
-        """Return whether every processor gives the same bits."""
-        # A stored run may name a detector that no longer exists.
-        known = self.detector in BOX_DETECTORS and declaration(self.detector).exact
-        return known and super().exact()
-
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for what does not go together."""
-        errors = option_errors(self.detector, self.detector_options())
+        errors: dict[str, str] = {}
         if self.decoy_most_m < self.decoy_least_m:
             errors["decoy_most_m"] = (
                 "decoy_most_m (Farthest decoy) must not be less than decoy_least_m (Nearest decoy) "
