@@ -22,3 +22,7 @@ test("headings and currents are compass courses", () => {
   assert.equal(current(0, -0.4), "0.40 m/s to 270°");
   assert.equal(current(0.001, 0.001), "none");
 });
+
+test("a time just before a full minute is rounded up to it", () => {
+  assert.equal(clockText(719.95), "12:00.0 min");
+});

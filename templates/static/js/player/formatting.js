@@ -16,8 +16,9 @@ export function short(value) {
 /** @param {number} t simulated time [s] */
 export function clockText(t) {
   if (t < 60) return `${t.toFixed(2)} s`;
-  const minutes = Math.floor(t / 60);
-  return `${minutes}:${(t - 60 * minutes).toFixed(1).padStart(4, "0")} min`;
+  const tenths = Math.round(10 * t); // first: 59.95 s are a minute
+  const minutes = Math.floor(tenths / 600);
+  return `${minutes}:${(tenths / 10 - 60 * minutes).toFixed(1).padStart(4, "0")} min`;
 }
 
 /**
