@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
+    "track-v1": "seamark.sim.benchmarks.track_v1.definition:BENCHMARK",
     "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
     "mission-v1": "seamark.sim.benchmarks.mission_v1.definition:BENCHMARK",
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
@@ -56,8 +57,13 @@ REFERENCE_CONTROLLERS = {
     "blind": "seamark.sim.control.position.blind:Controller",
     "oracle": "seamark.sim.control.position.oracle:Controller",
 }
-# What moves an arm, by the task that it is for; marks on the leaderboards last.
-ARM_CONTROLLERS = {
+# For tasks other than to keep station, most of them with an arm; marks on the leaderboards last.
+TASK_CONTROLLERS = {
+    "track": {
+        "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
+        "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
+        "los": "seamark.sim.control.track.guidance:LineOfSight",
+    },
     "mission": {
         "chain": "seamark.sim.control.manipulation.mission:Chain",
     },
@@ -74,7 +80,12 @@ ARM_CONTROLLERS = {
         "scripted": "seamark.sim.control.manipulation.connector:Scripted",
     },
 }
-REFERENCE_ARM_CONTROLLERS = {
+REFERENCE_TASK_CONTROLLERS = {
+    "track": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+        "blind": "seamark.sim.control.track.guidance:Blind",
+        "oracle": "seamark.sim.control.track.oracle:Oracle",
+    },
     "mission": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "lawnmower": "seamark.sim.control.manipulation.mission:Lawnmower",
@@ -139,13 +150,13 @@ def benchmark(name: str) -> "Benchmark":
 
 
 def controllers(task: str) -> dict[str, str]:
-    """Return name -> path of what users can choose for a task of an arm; "": to keep station."""
-    return ARM_CONTROLLERS[task] if task else CONTROLLERS
+    """Return name -> path of what users can choose for a task; "": to keep station."""
+    return TASK_CONTROLLERS[task] if task else CONTROLLERS
 
 
 def reference_controllers(task: str) -> dict[str, str]:
     """Return name -> path of what only marks on a leaderboard use, some of which see the truth."""
-    return REFERENCE_ARM_CONTROLLERS[task] if task else REFERENCE_CONTROLLERS
+    return REFERENCE_TASK_CONTROLLERS[task] if task else REFERENCE_CONTROLLERS
 
 
 def controller_path(name: str, task: str = "") -> str:
@@ -157,7 +168,7 @@ def load_all() -> None:
     """Load every entry and its code, so that a broken one stops the start and not a user's run."""
     for name in VEHICLES:
         resolve_name("seamark.sim.vehicles:load")(name)
-    for task in ("", *ARM_CONTROLLERS):
+    for task in ("", *TASK_CONTROLLERS):
         for path in (*controllers(task).values(), *reference_controllers(task).values()):
             resolve_name(path)
     for entries in (BENCHMARKS, TRACKERS, DETECTORS, REFERENCE_DETECTORS, BOX_DETECTORS):

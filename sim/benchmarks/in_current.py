@@ -10,6 +10,7 @@ from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialPlan
 from seamark.sim.engine.program import BuiltIn, Program
+from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.team import Team
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.engine.world import (
@@ -35,19 +36,21 @@ Settings = TypeVar("Settings", bound=CurrentLevels)
 class InCurrent(Generic[Settings]):
     """The part of a `seamark.sim.engine.experiment.Experiment` that does not score."""
 
-    task = ""  # of an arm, by which the registry has the built-in controllers
+    task = ""  # by which the registry has the built-in controllers; "": to keep station
 
     def built_in(self, name: str, config: Settings) -> Program:
         """Return a built-in controller."""
         arm = config.chosen_arm()
         size = arm_size(arm) if arm else None
-        return BuiltIn(name, config, size, task=self.task, searches=config.searches())
+        told = {"searches": config.searches(), "route": config.has_route()}
+        return BuiltIn(name, config, size, task=self.task, **told)
 
     def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
         optics = program_optics(config)
         images = {camera: (each.height, each.width) for camera, each in optics.items()}
-        packed = layout(config.vehicle, config.chosen_arm(), images, search=config.searches())
+        told = {"search": config.searches(), "route": config.has_route()}
+        packed = layout(config.vehicle, config.chosen_arm(), images, **told)
         return {"role": "controller"} | packed
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
@@ -94,6 +97,10 @@ class InCurrent(Generic[Settings]):
         """Return a painted seabed for a camera beside an arm, if it is not the plain one."""
         return None
 
+    def course(self, config: Settings, *, seed: int, trial: int, level: int) -> Course | None:
+        """Return what is to be followed in a level; nothing, unless overridden."""
+        return None
+
     def water(self, config: Settings, *, seed: int, trial: int) -> Water:
         """Return the water of a level with these settings."""
         return configured_water(config)
@@ -132,6 +139,7 @@ class InCurrent(Generic[Settings]):
             workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),
             encoder_bias=self.encoder_bias(config, seed=seed, trial=trial),
+            course=self.course(config, seed=seed, trial=trial, level=level),
         )
         return conditions, random
 

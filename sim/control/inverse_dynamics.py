@@ -50,6 +50,7 @@ class Goal(NamedTuple):
     side: float
     heading: float  # [rad]
     turn: float  # [1/s] natural frequency of the heading
+    velocity: Array  # (3,) NED [m/s] of the point
 
 
 class Thrusters(NamedTuple):
@@ -87,6 +88,7 @@ class InverseDynamics:
         self._free = point is not None
         self._point = point or (0.0, 0.0)
         self._heading = float(station[5])
+        self._velocity = np.zeros(3)
         vehicle = plant.vehicle
         forward, reverse = vehicle.curve.limits.value
         gains = plant.thruster_gains.copy()
@@ -109,7 +111,7 @@ class InverseDynamics:
         if self._free:
             self._turn(pose)
         turn = TURN_1_S if self._free else FREQUENCY_1_S
-        goal = Goal(self._station, *self._point, self._heading, turn)
+        goal = Goal(self._station, *self._point, self._heading, turn, self._velocity)
         self._law.call(
             plant.state, pose, goal, plant.acceleration(), self._thrusters, self._command
         )
@@ -125,6 +127,26 @@ class InverseDynamics:
         share = min(max((math.hypot(north, east) - slow) / (fast - slow), 0.0), 1.0)
         wanted = share * wrapped(yaw + turn - own)
         self._heading = own + min(max(wanted, -LARGEST_TURN_RAD), LARGEST_TURN_RAD)
+
+
+class MovingGoal(InverseDynamics):
+    """The same for a place that moves, with a heading that is free."""
+
+    def __init__(self, plant: Plant, station: Array, dt: float) -> None:
+        """Prepare the law; see `InverseDynamics`."""
+        super().__init__(plant, station, dt, (0.0, 0.0))
+
+    def aim(self, place: Array, velocity: Array, heading: float | None) -> None:
+        """Set where the vehicle should be and how fast, (3,) NED [m, m/s].
+
+        `heading` [rad] is where its bow should be turned; None leaves it.
+        """
+        self._station[:3], self._velocity[:] = place, velocity
+        if heading is not None:
+            self._heading = heading
+
+    def _turn(self, pose: Array) -> None:
+        """Leave the heading as it was set."""
 
 
 def _effect(inverse_mass: Array, allocation: Array) -> Array:
@@ -161,9 +183,11 @@ def desired_acceleration(state: Array, pose: Array, goal: Goal, out: Array) -> N
     out[0] = stiffness * (cosine * north + sine * east - ahead)
     out[1] = stiffness * (cosine * east - sine * north - side)
     # Of the point, then of the origin: without the acceleration by turning about it.
-    out[0] += -friction * (state[7] - rate * side) + out[5] * side + rate * rate * ahead
-    out[1] += -friction * (state[8] + rate * ahead) - out[5] * ahead + rate * rate * side
-    out[2] = stiffness * (station[2] - pose[2]) - friction * state[9]
+    north, east, down = goal.velocity[0], goal.velocity[1], goal.velocity[2]
+    surge, sway = cosine * north + sine * east, cosine * east - sine * north
+    out[0] += -friction * (state[7] - rate * side - surge) + out[5] * side + rate * rate * ahead
+    out[1] += -friction * (state[8] + rate * ahead - sway) - out[5] * ahead + rate * rate * side
+    out[2] = stiffness * (station[2] - pose[2]) - friction * (state[9] - down)
     for i in (3, 4):
         out[i] = stiffness * wrapped(station[i] - pose[i]) - friction * state[7 + i]
 

@@ -54,11 +54,26 @@ SEARCH_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("confidence", 0, "", "by the detector, that what the tracker has is the target; 0 to 1"),
 )
 SEARCH_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in SEARCH_FIELDS)
+ROUTE_POINTS = 32
+# What follows where a route has to be followed.
+ROUTE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    (
+        "route",
+        3 * ROUTE_POINTS,
+        "m",
+        f"{ROUTE_POINTS} points, the same over a level, joined by straight lines: north and east "
+        "of where the vehicle is said to have started, and depth of each",
+    ),
+    ("fix", 2, "m", "position by the last acoustic fix: north and east of the same place"),
+    ("fix_age", 0, "s", "time since it was there; -1 before the first fix"),
+    ("fix_sigma", 0, "m", "standard deviation of each of its two numbers"),
+)
+ROUTE_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in ROUTE_FIELDS)
 # What follows where a program is given images (`Observation.images`).
 IMAGE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("image_t", 0, "s", "simulated time at which the newest images were taken"),
 )
-EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *IMAGE_FIELDS)
+EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *ROUTE_FIELDS, *IMAGE_FIELDS)
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 VEHICLE_CAMERA, ARM_CAMERA = "vehicle", "arm"
@@ -81,11 +96,15 @@ def arm_size(arm: Linkage) -> ArmSize:
     return ArmSize(len(arm.motors()), len(arm.outer))
 
 
-def _further(arm: ArmSize | None, *, images: bool, search: bool) -> Iterator[tuple[str, int]]:
+def _further(
+    arm: ArmSize | None, *, images: bool, search: bool, route: bool
+) -> Iterator[tuple[str, int]]:
     """Yield name and count of the fields that follow those of every vehicle."""
     for name, of, _unit, _meaning in ARM_FIELDS if arm else ():
         yield name, arm.count(of) if arm else 0
     for name, count, _unit, _meaning in SEARCH_FIELDS if search else ():
+        yield name, count
+    for name, count, _unit, _meaning in ROUTE_FIELDS if route else ():
         yield name, count
     for name, count, _unit, _meaning in IMAGE_FIELDS if images else ():
         yield name, count
@@ -97,11 +116,12 @@ def layout(
     images: Mapping[str, tuple[int, int]] | None = None,
     *,
     search: bool = False,
+    route: bool = False,
 ) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values.
 
     `images` are the cameras whose images a program is given, with height and width [px]; `search`
-    is whether the target has to be found first.
+    is whether the target has to be found first, `route` whether one has to be followed.
     """
     thrusters = len(load(vehicle).thrusters)
     fields = [
@@ -109,7 +129,7 @@ def layout(
         for name, count, _unit, _meaning in FIELDS
     ]
     size = None if arm is None else arm_size(arm)
-    fields += map(list, _further(size, images=bool(images), search=search))
+    fields += map(list, _further(size, images=bool(images), search=search, route=route))
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
     if arm is not None:
         packed |= {"command": [*COMMAND, *arm.motors()], "joint_limits": joint_limits(arm)}
@@ -136,11 +156,13 @@ STARTS = _starts()  # name -> index of its first number
 
 
 @cache
-def _positions(arm: ArmSize | None, *, images: bool, search: bool) -> dict[str, int | slice]:
+def _positions(
+    arm: ArmSize | None, *, images: bool, search: bool, route: bool
+) -> dict[str, int | slice]:
     """Return name -> index of a single number, or slice of a vector; further ones from the end."""
     after = 0
     further: dict[str, int | slice] = {}
-    for name, count in reversed([*_further(arm, images=images, search=search)]):
+    for name, count in reversed([*_further(arm, images=images, search=search, route=route)]):
         further[name] = slice(-after - count, -after or None) if count else -after - 1
         after += count or 1
     ends = {PER_THRUSTER: -after or None}
@@ -152,10 +174,16 @@ def _positions(arm: ArmSize | None, *, images: bool, search: bool) -> dict[str, 
 
 
 def empty(
-    thrusters: int, arm: ArmSize | None = None, *, images: bool = False, search: bool = False
+    thrusters: int,
+    arm: ArmSize | None = None,
+    *,
+    images: bool = False,
+    search: bool = False,
+    route: bool = False,
 ) -> NDArray[np.float64]:
     """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
-    more = sum(count or 1 for _name, count in _further(arm, images=images, search=search))
+    further = _further(arm, images=images, search=search, route=route)
+    more = sum(count or 1 for _name, count in further)
     return np.zeros(STARTS["thrust"] + thrusters + more)
 
 
@@ -176,8 +204,9 @@ class Observation(Mapping[str, Any]):
         images: Images | None = None,
         *,
         search: bool = False,
+        route: bool = False,
     ) -> None:
-        self._positions = _positions(arm, images=images is not None, search=search)
+        self._positions = _positions(arm, images=images is not None, search=search, route=route)
         self._images = images
         self._numbers = values.copy()
         self._numbers.flags.writeable = False

@@ -11,7 +11,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import COMMAND, SEARCH_NUMBERS, empty
+from seamark.sim.control.observation import COMMAND, ROUTE_NUMBERS, SEARCH_NUMBERS, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
@@ -31,6 +31,7 @@ from seamark.sim.engine.program import (
     ImageProgram,
     Program,
 )
+from seamark.sim.engine.route_in_loop import RouteInLoop
 from seamark.sim.engine.search_in_loop import SearchInLoop, SearchReport
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
@@ -85,18 +86,18 @@ class ClosedLoop:
         self._contact_n = 0.0
         self._pose = np.zeros(6)
         size, cameras = world.arm.size if world.arm else None, config.cameras_of_program()
-        searches = config.searches()
-        self.observation = empty(self._thrusters, size, images=bool(cameras), search=searches)
+        told = {"search": config.searches(), "route": config.has_route()}
+        self.observation = empty(self._thrusters, size, images=bool(cameras), **told)
         of_arm = slice(len(empty(self._thrusters)), len(empty(self._thrusters, size)))
         self._arm = None
         if world.arm is not None:
-            seen = self.observation[of_arm]
-            self._arm = ArmInLoop(world.arm, seen, self._seen.corners)
+            self._arm = ArmInLoop(world.arm, self.observation[of_arm], self._seen.corners)
         self._search = None
         if isinstance(world.tracking, SearchInLoop):
             seen = self.observation[of_arm.stop : of_arm.stop + SEARCH_NUMBERS]
             late = world.conditions.camera_delay_steps
             self._search = SearchReport(world.tracking, seen, told_m=world.told_m, late=late)
+        self._route = self._route_from(of_arm.stop)
         self.images = ImagesInLoop(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
@@ -116,6 +117,15 @@ class ClosedLoop:
         self._sensors, self._noises = world.sensors.records(), world.sensors.noises()
         self._perceive = SameTypes(perceive)
 
+    def _route_from(self, first: int) -> RouteInLoop | None:
+        """Return the route, if there is one; its part of the observation begins at `first`."""
+        world = self._world
+        if world.course is None:
+            return None
+        seen = self.observation[first : first + ROUTE_NUMBERS]
+        start = world.start[:3]
+        return RouteInLoop(world.course, seen, start, steps=self._steps, step_s=self._dt)
+
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""
         width = self.width()
@@ -134,7 +144,10 @@ class ClosedLoop:
         arm = self._world.arm
         work = arm is not None and len(arm.plant.work) > 0
         search = self._search is not None
-        return width_for(self._thrusters, arm=arm is not None, work=work, search=search)
+        route = self._route is not None
+        return width_for(
+            self._thrusters, arm=arm is not None, work=work, search=search, route=route
+        )
 
     def close(self) -> None:
         """Release what the world holds."""
@@ -236,6 +249,8 @@ class ClosedLoop:
             self._arm.measure(step, row)
         if self._search is not None:
             self._search.measure(row)
+        if self._route is not None:
+            self._route.measure(step, self._pose, row)
 
     def _image(self) -> NDArray[np.uint8]:
         """Return the image that the station keeper has now, in blue, green, red."""

@@ -21,6 +21,7 @@ from seamark.sim.recording.telemetry import (
     COMMON_THRUSTERS,
     DETECTION_WIDTH,
     INDEX,
+    ROUTE_WIDTH,
     SEARCH_WIDTH,
     WIDTH,
     WORK_WIDTH,
@@ -184,6 +185,8 @@ def thrust_column(thruster: int, width: int) -> int:
         return _THRUST + thruster
     detections = DETECTION_WIDTH if width >= WIDTH + DETECTION_WIDTH else 0
     first = WIDTH if width - detections < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
+    if WIDTH + ROUTE_WIDTH <= width - detections < WIDTH + ARM_WIDTH:
+        first += ROUTE_WIDTH
     if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH:
         first += WORK_WIDTH
     if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH + SEARCH_WIDTH:

@@ -14,7 +14,28 @@ from seamark.sim.trackers import Tracker, make
 Pose = NDArray[np.float64]  # (6,); (12,) with the velocities, for motion blur
 
 
-class TrackerInLoop:
+class Untracked:
+    """What is known of the target over one level without a tracker: nothing."""
+
+    def __init__(self, camera: Camera, target: int = TOP_CENTRE) -> None:
+        """Take the camera; `target` as in `TargetView` counts as the target's true position."""
+        self._camera = camera
+        self._corners = np.zeros((4, 2))
+        self.corners = self._corners.reshape(8)  # [px] last valid ones; a view of the same memory
+        self.ok = False  # whether the tracker reports the target in the present image
+        self.target_view = TargetView(*camera.view(), target)
+        self.step_us = 0.0  # wall time of the tracker's last update; never part of a result
+
+    def start(self, pose: Pose, frame: int) -> None:
+        """Take the pose of the first image."""
+        self._camera.follow(pose)
+
+    def update(self, pose: Pose, frame: int) -> None:
+        """Take the pose of the next image."""
+        self._camera.follow(pose)
+
+
+class TrackerInLoop(Untracked):
     """One tracker over one level."""
 
     def __init__(
@@ -38,16 +59,11 @@ class TrackerInLoop:
         target
             The point that counts as the target's true position, as in `TargetView`.
         """
-        self._camera = camera
+        super().__init__(camera, target)
         self._reference = reference or camera
         self._start_error = start_error
         self._pose: Pose = np.zeros(6)
         self._tracker = tracker or self._configured(settings)
-        self._corners = np.zeros((4, 2))
-        self.corners = self._corners.reshape(8)  # [px] last valid ones; a view of the same memory
-        self.ok = False  # whether the tracker reports the target in the present image
-        self.target_view = TargetView(*camera.view(), target)
-        self.step_us = 0.0  # wall time of the tracker's last update; never part of a result
 
     def _configured(self, settings: TrackerSettings) -> Tracker:
         options = settings.tracker_options()

@@ -18,8 +18,9 @@ from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.detectors import Detector
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
+from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.search_in_loop import SearchInLoop
-from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
+from seamark.sim.engine.tracker_in_loop import TrackerInLoop, Untracked, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.multibody.assembly import Mounting, fixed_box
@@ -93,6 +94,7 @@ class Conditions:
     bottom: Tiles | None = None  # a painted seabed instead of the plain one
     told_error_m: tuple[float, float] = (0.0, 0.0)  # north, east, of where the target is said to be
     encoder_bias: tuple[float, ...] = (0.0,)  # [rad] of each joint's, or of all
+    course: Course | None = None  # what is to be followed
 
 
 @dataclass(slots=True, kw_only=True)
@@ -114,6 +116,7 @@ class Craft:
     bottom: Bottom
     contact: Contact | None
     arm: Arm | None
+    course: Course | None
 
     def close(self) -> None:
         """Release what the contact engine holds."""
@@ -126,7 +129,7 @@ class World(Craft):
     """Everything that moves or measures during one level."""
 
     camera: Camera
-    tracking: TrackerInLoop
+    tracking: Untracked
 
 
 def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
@@ -240,8 +243,10 @@ def build_world(
 
     camera = camera_in(conditions.water)
     reference = None if conditions.reference is None else camera_in(conditions.reference)
-    if isinstance(config, SearchSettings):
-        tracking: TrackerInLoop = SearchInLoop(camera, config, tracker=tracker, detector=detector)
+    if craft.course is not None:
+        tracking = Untracked(camera)
+    elif isinstance(config, SearchSettings):
+        tracking = SearchInLoop(camera, config, tracker=tracker, detector=detector)
     else:
         tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
     parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
@@ -287,6 +292,7 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
         bottom=bottom,
         contact=contact,
         arm=arm,
+        course=conditions.course,
     )
 
 

@@ -1,4 +1,4 @@
-"""The energy of thrusters, as every benchmark with thrusters has it."""
+"""Energy and power of thrusters, as every benchmark with thrusters has them."""
 
 import math
 from typing import Any, Protocol
@@ -6,8 +6,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from seamark.sim.metrics.metric import SUM, LevelMetric
-from seamark.sim.metrics.windows import THRUST_COLUMNS
+from seamark.sim.metrics.windows import THRUST_COLUMNS, Window
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.statistics import mean
 
 ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
 
@@ -27,6 +28,14 @@ def _energy(level: Thrusting) -> float:
     return math.fsum((size * np.sqrt(size)).ravel().tolist()) * level.dt
 
 
+def power_share(level: Window) -> float:
+    """Return the mean power of the thrusters, relative to all of them at full thrust."""
+    forward, reverse = level.facts.limits_n
+    thrust = level.thrust[:, : level.facts.thrusters]
+    share = np.where(thrust > 0.0, thrust / forward, -thrust / reverse)
+    return mean((share * np.sqrt(share)).ravel().tolist())
+
+
 ENERGY: LevelMetric[Any] = LevelMetric(
     name="energy_n15_s",
     label=f"Energy proxy, integral of thrust^{ENERGY_EXPONENT:g}",
@@ -37,4 +46,14 @@ ENERGY: LevelMetric[Any] = LevelMetric(
     over=SUM,
     reads=THRUST_COLUMNS,
     compute=_energy,
+)
+POWER: LevelMetric[Any] = LevelMetric(
+    name="power_share",
+    label="Power",
+    unit="",
+    better="lower",
+    meaning="relative to all thrusters at full thrust",
+    formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
+    reads=THRUST_COLUMNS,
+    compute=power_share,
 )

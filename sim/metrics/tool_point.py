@@ -7,8 +7,7 @@ heading displaces it as well. In the formulas s is its true distance [m] from wh
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
+from seamark.sim.metrics.energy import POWER, power_share
 from seamark.sim.metrics.metric import RMS, LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.windows import (
     LOST_COLUMNS,
@@ -18,7 +17,7 @@ from seamark.sim.metrics.windows import (
     lost,
     percent,
 )
-from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
+from seamark.sim.numerics.statistics import percentile, root_mean_square
 from seamark.sim.recording.telemetry import POSE_COLUMNS, Rows
 
 TOOL_AHEAD_M = 1.0  # [m] E: reach of a manipulator
@@ -44,16 +43,9 @@ def in_circles(errors: Sequence[float], lost_rows: Sequence[bool]) -> float:
     return hits / (len(errors) * len(CIRCLES_M)) if errors else math.nan
 
 
-def _power_share(window: ToolWindow) -> float:
-    forward, reverse = window.facts.limits_n
-    thrust = window.thrust[:, : window.facts.thrusters]
-    share = np.where(thrust > 0.0, thrust / forward, -thrust / reverse)
-    return mean((share * np.sqrt(share)).ravel().tolist())
-
-
 def _quality(window: ToolWindow) -> float:
     held = in_circles(window.error_m, lost(window.rows).tolist())
-    return held * (1.0 - POWER_WEIGHT * _power_share(window))
+    return held * (1.0 - POWER_WEIGHT * power_share(window))
 
 
 def _near_percent(window: ToolWindow) -> float:
@@ -90,16 +82,6 @@ TRANSIENT: LevelMetric[ToolWindow] = LevelMetric(
     formula=f"first time with s <= {REACHED_M:g} m; the whole level if there is none",
     reads=POSE_COLUMNS,
     compute=_transient,
-)
-POWER: LevelMetric[ToolWindow] = LevelMetric(
-    name="power_share",
-    label="Power",
-    unit="",
-    better="lower",
-    meaning="relative to all thrusters at full thrust",
-    formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
-    reads=THRUST_COLUMNS,
-    compute=_power_share,
 )
 NEAR: LevelMetric[ToolWindow] = LevelMetric(
     name="near_percent",

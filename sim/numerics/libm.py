@@ -196,3 +196,9 @@ def asin(x: float) -> float:
     if not abs(x) <= 1.0:
         return math.nan
     return atan2(x, math.sqrt((1.0 - x) * (1.0 + x)))
+
+
+def polar(distance: float, share: float) -> tuple[float, float]:
+    """Return a point at a distance, in a direction that is a share of the full circle."""
+    sine, cosine = sincos(2.0 * PI * share)
+    return distance * cosine, distance * sine

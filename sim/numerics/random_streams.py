@@ -44,6 +44,8 @@ class Streams:
     trial_water: np.random.Generator
     things: np.random.Generator
     search: np.random.Generator
+    route: np.random.Generator
+    usbl: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

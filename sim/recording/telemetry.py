@@ -6,10 +6,11 @@ frame (NED), velocities in the body frame.
 
 Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with an arm
 has `ARM_WIDTH` further columns, one that works on something `WORK_WIDTH` more, one that first has
-to find it `SEARCH_WIDTH` more, a row of a detector `DETECTION_WIDTH` more, and a vehicle with more
-thrusters has theirs at the end. These are fewer than the columns of any group, and those of a
-detector more than all others together, so the width of a row says which columns it has, and rows of
-all versions and vehicles can be read alike.
+to find it `SEARCH_WIDTH` more, one without an arm that follows a route `ROUTE_WIDTH` more, a row of
+a detector `DETECTION_WIDTH` more, and a vehicle with more thrusters has theirs at the end. These
+are fewer than the columns of any group, those of a route with them fewer than those of an arm, and
+those of a detector more than all others together, so the width of a row says which columns it has,
+and rows of all versions and vehicles can be read alike.
 """
 
 import hashlib
@@ -150,6 +151,25 @@ SEARCH_COLUMNS: tuple[Column, ...] = (
     Column("decoy_hull_n", "N", "the same of the vehicle's hull"),
     Column("decoy_rest_n", "N", "the same of the seabed and of all other things"),
 )
+ROUTE_COLUMNS: tuple[Column, ...] = (
+    *_vector(
+        "route_x route_y route_z",
+        "m",
+        "point of the route that is nearest to the vehicle on the piece that is due, world frame",
+    ),
+    *_vector("route_dx route_dy route_dz", "", "direction of the route there, a unit vector"),
+    Column("route_along", "m", "how far along the route the vehicle has followed it"),
+    Column("route_length", "m", "length of the whole route"),
+    Column("cross_track", "m", "distance of the vehicle's origin from that point"),
+    Column("cross_track_y", "m", "its part that is level and to starboard of the route"),
+    Column("cross_track_z", "m", "its part down"),
+    *_vector("fix_x fix_y fix_z", "m", "position by the last acoustic fix, world frame"),
+    Column("fix_age", "s", "time since this position was measured; nan before the first fix"),
+    Column("fix_sigma", "m", "standard deviation of each of its axes that the system states"),
+    Column("fix_range", "m", "measured distance from the transceiver"),
+    *_vector("fix_bearing fix_elevation", "rad", "measured direction, from north and downwards"),
+    *_vector("boat_x boat_y boat_z", "m", "position of the acoustic transceiver, world frame"),
+)
 _CORNERS = "x0 y0 x1 y1 x2 y2 x3 y3"
 OBJECT_COLUMNS: tuple[Column, ...] = (
     Column("state", "", "object of one class: 0 not in the image, 1 counts, 2 is ignored"),
@@ -188,7 +208,7 @@ INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
 ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
 DETECTION_WIDTH = len(DETECTION_COLUMNS)
-SEARCH_WIDTH = len(SEARCH_COLUMNS)
+SEARCH_WIDTH, ROUTE_WIDTH = len(SEARCH_COLUMNS), len(ROUTE_COLUMNS)
 _WORK_START = WIDTH + ARM_WIDTH
 _SEARCH_START = _WORK_START + WORK_WIDTH
 WORK_INDEX: dict[str, int] = {
@@ -197,6 +217,7 @@ WORK_INDEX: dict[str, int] = {
 SEARCH_INDEX: dict[str, int] = {
     column.name: _SEARCH_START + at for at, column in enumerate(SEARCH_COLUMNS)
 }
+ROUTE_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ROUTE_COLUMNS)}
 STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -225,9 +246,14 @@ def has_search(width: int) -> bool:
     return _without_detections(width) >= WIDTH + ARM_WIDTH + WORK_WIDTH + SEARCH_WIDTH
 
 
+def has_route(width: int) -> bool:
+    """Return whether rows of this width are those of a vehicle that follows a route."""
+    return WIDTH + ROUTE_WIDTH <= _without_detections(width) < WIDTH + ARM_WIDTH
+
+
 def _before_detections(width: int) -> int:
     work = WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
-    return work + has_search(width) * SEARCH_WIDTH
+    return work + has_search(width) * SEARCH_WIDTH + has_route(width) * ROUTE_WIDTH
 
 
 def _before_thrusts(width: int) -> int:
@@ -240,10 +266,11 @@ def columns(width: int) -> tuple[Column, ...]:
     arm = ARM_COLUMNS if has_arm(width) else ()
     work = WORK_COLUMNS if has_work(width) else ()
     search = SEARCH_COLUMNS if has_search(width) else ()
+    route = ROUTE_COLUMNS if has_route(width) else ()
     detections = DETECTION_COLUMNS if has_detections(width) else ()
     thrusters = COMMON_THRUSTERS + width - _before_thrusts(width)
     further = map(_thrust, range(COMMON_THRUSTERS, thrusters))
-    return (*COLUMNS, *arm, *work, *search, *detections, *further)
+    return (*COLUMNS, *arm, *work, *search, *route, *detections, *further)
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -257,15 +284,17 @@ def width_for(
     arm: bool = False,
     work: bool = False,
     search: bool = False,
+    route: bool = False,
     detections: bool = False,
 ) -> int:
     """Return the width of a row for a vehicle with this number of thrusters.
 
     `arm` is whether it has an arm, `work` whether that works on something, `search` whether it
-    first looks for it, `detections` whether a detector answers its images.
+    first looks for it, `route` whether it follows one, `detections` whether a detector answers its
+    images.
     """
     own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH + search * SEARCH_WIDTH
-    own += detections * DETECTION_WIDTH
+    own += route * ROUTE_WIDTH + detections * DETECTION_WIDTH
     return own + max(thrusters - COMMON_THRUSTERS, 0)
 
 

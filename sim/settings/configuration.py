@@ -231,8 +231,12 @@ def _message(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
 
 
 def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group."""
-    order = sorted(cls.model_fields.items(), key=lambda item: groups.index(group_of(item[1])))
+    """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group.
+
+    Settings of other groups are left out: the benchmark does not use them.
+    """
+    used = [item for item in cls.model_fields.items() if group_of(item[1]) in groups]
+    order = sorted(used, key=lambda item: groups.index(group_of(item[1])))
     properties = {name: property_of(name, field) for name, field in order}
     for name, entry in properties.items():
         if applies := cls.applies(name):

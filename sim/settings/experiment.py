@@ -192,6 +192,10 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return whether what the arm works on has to be found first."""
         return False
 
+    def has_route(self) -> bool:
+        """Return whether there is a route to follow."""
+        return False
+
     def vehicles(self) -> tuple[str, ...]:
         """Return the vehicles that take turns from trial to trial: one, unless overridden."""
         return (self.vehicle,)
@@ -276,8 +280,8 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     def telemetry_width(self, thrusters: int) -> int:
         """Return how many columns a row has for a vehicle with this number of thrusters."""
-        arm = self.chosen_arm() is not None
-        return width_for(thrusters, arm=arm, work=self.has_workpiece(), search=self.searches())
+        arm, work, search = self.chosen_arm() is not None, self.has_workpiece(), self.searches()
+        return width_for(thrusters, arm=arm, work=work, search=search, route=self.has_route())
 
     @property
     def physics_steps_per_control_step(self) -> int:

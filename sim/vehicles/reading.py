@@ -32,7 +32,7 @@ from seamark.sim.vehicles.solid_fields import read_solid
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 FORMAT = 1
-THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX, MOUNTS_MAX = 32, 64, 256, 50, 16
+THRUSTERS_MAX, HULL_MAX, SOLIDS_MAX, DEFAULTS_MAX, MOUNTS_MAX = 20, 64, 256, 50, 16
 COEFFICIENTS_MAX = 6  # of the compiled curve
 _SETTING = re.compile(r"[a-z][a-z0-9_]{0,60}")
 TOP_KEYS = (

@@ -15,6 +15,7 @@ from seamark.sim.benchmarks.benchmark import (
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
 from seamark.sim.metrics import tool_point
+from seamark.sim.metrics.energy import POWER
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import KEY_METRICS, METRICS, WHOLE
 from seamark.sim.settings.arm import GROUP as ARM
@@ -35,7 +36,7 @@ TOOL_RMSE = next(metric for metric in tool_point.METRICS if metric.name == "tool
 OVERALL = (
     tool_point.TRANSIENT,
     next(metric for metric in METRICS if metric.name == "heading_rmse_rad"),
-    tool_point.POWER,
+    POWER,
 )
 
 
@@ -91,7 +92,7 @@ BENCHMARK = replace(
     ),
     overall=(MIDPOINT, *OVERALL),
     board_metrics=(MIDPOINT, TOOL_RMSE, *OVERALL),
-    pareto=(TOOL_RMSE, tool_point.POWER),
+    pareto=(TOOL_RMSE, POWER),
     midpoint=Midpoint(MIDPOINT, _point),
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),

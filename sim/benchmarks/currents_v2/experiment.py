@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
+from seamark.sim.benchmarks.level_area import area_over_current
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping, level_facts
 from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
@@ -16,7 +17,7 @@ from seamark.sim.metrics.metric import Absent, LevelMetric, compute_all, over_ru
 from seamark.sim.metrics.station_keeping import overall
 from seamark.sim.metrics.tool_point import CIRCLES_M, NEAR, ToolWindow
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.numerics.statistics import area, mean
+from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.vehicles import load
 
@@ -79,7 +80,7 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         """Return the current held; a trial ranks if it stays near the station in weak currents."""
         base = super().trial_score(config, levels)
         near = _near_percent(levels) >= RANKED_PERCENT
-        score = current_held(levels)
+        score = area_over_current(levels, "quality")
         return TrialScore(
             score=score,
             level_held=base.level_held,
@@ -91,20 +92,6 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
     def overall_metrics(self) -> tuple[LevelMetric[Any], ...]:
         """Return the metrics over all levels of a trial."""
         return (*overall(), *tool_point.METRICS)
-
-
-def current_held(levels: Sequence[Mapping[str, Any]]) -> float:
-    """Return the area under the quality over the current [m/s].
-
-    Below the weakest current the quality counts as there. In a grid a speed has several levels:
-    their mean counts.
-    """
-    speeds = sorted({float(level["speed"]) for level in levels})
-    quality = [
-        mean([float(level["quality"]) for level in levels if level["speed"] == speed])
-        for speed in speeds
-    ]
-    return area((0.0, *speeds), (quality[0], *quality))
 
 
 def _near_percent(levels: Sequence[Mapping[str, Any]]) -> float:

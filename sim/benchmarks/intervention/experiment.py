@@ -7,13 +7,13 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Generic, TypeVar
 
 from seamark.sim.benchmarks.in_current import InCurrent
+from seamark.sim.benchmarks.level_area import area_over_current, held_up_to
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.metrics.attempts import StagedAttempt
 from seamark.sim.metrics.metric import LevelMetric, compute_all, over_run
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.numerics.statistics import area, mean
 from seamark.sim.recording.telemetry import ARM_JOINTS, Rows
 from seamark.sim.settings.intervention import InterventionSettings
 from seamark.sim.vehicles import load
@@ -115,30 +115,13 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
 
     def trial_score(self, config: Settings, levels: Sequence[Mapping[str, Any]]) -> TrialScore:
         """Return the area under the credit over the current [m/s]."""
-        score = credit_area(levels)
-        held: float | None = None
-        for level in sorted(levels, key=lambda level: float(level["speed"])):
-            if not level["held"]:
-                break
-            held = float(level["speed"])
+        score = area_over_current(levels, "credit")
         weakest = sorted(levels, key=lambda level: float(level["speed"]))[:2]
         tried = any(level["credit"] >= TRIED_CREDIT for level in weakest)
         return TrialScore(
             score=score,
-            level_held=held,
+            level_held=held_up_to(levels),
             rankable=math.isfinite(score) and tried,
             reason="" if tried else self.not_tried,
             overall=over_run(self._metrics, levels),
         )
-
-
-def credit_area(levels: Sequence[Mapping[str, Any]]) -> float:
-    """Return the area under the credit over the current [m/s]; in a grid, means at each speed."""
-    speeds = sorted({float(level["speed"]) for level in levels})
-    credit = [
-        mean([float(level["credit"]) for level in levels if level["speed"] == speed])
-        for speed in speeds
-    ]
-    if speeds[0] > 0.0:  # below the weakest current it counts as there
-        speeds, credit = [0.0, *speeds], [credit[0], *credit]
-    return area(speeds, credit)

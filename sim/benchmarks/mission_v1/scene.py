@@ -17,7 +17,7 @@ from seamark.sim.camera.bottom.field import draw_field
 from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.lettering import other_text
 from seamark.sim.multibody.workpiece import Workpiece
-from seamark.sim.numerics.libm import PI, sincos
+from seamark.sim.numerics.libm import PI, polar
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS, MARKERS
 
@@ -51,13 +51,13 @@ def draw_search(config: MissionConfiguration, seed: int, trial: int, level: int)
     random = streams(seed, trial, level).search
     share = random.random(11).tolist()
     most = config.start_offset_m
-    start = _polar(most * (LEAST_START + (1.0 - LEAST_START) * share[0]), share[1])
+    start = polar(most * (LEAST_START + (1.0 - LEAST_START) * share[0]), share[1])
     near, far = config.decoy_least_m, config.decoy_most_m
     return SearchDraw(
         start_m=start,
         heading_rad=config.start_heading_rad * (2.0 * share[2] - 1.0),
-        told_error_m=_polar(config.told_error_m * math.sqrt(share[3]), share[4]),
-        decoy_m=_polar(near + (far - near) * share[5], share[6]),
+        told_error_m=polar(config.told_error_m * math.sqrt(share[3]), share[4]),
+        decoy_m=polar(near + (far - near) * share[5], share[6]),
         decoy=BoxDraw(
             heading_rad=PI * (2.0 * share[7] - 1.0),
             friction_factor=1.0 + config.friction_spread * (2.0 * share[8] - 1.0),
@@ -65,12 +65,6 @@ def draw_search(config: MissionConfiguration, seed: int, trial: int, level: int)
         ),
         text=other_text(random),
     )
-
-
-def _polar(distance_m: float, share: float) -> Point:
-    """Return a point at a distance, in a direction that is a share of the full circle."""
-    sine, cosine = sincos(2.0 * PI * share)
-    return distance_m * cosine, distance_m * sine
 
 
 @lru_cache(maxsize=4)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from seamark.sim.benchmarks.in_current import InCurrent
+from seamark.sim.benchmarks.level_area import held_up_to
 from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.metrics.metric import Absent, LevelMetric, over_run
 from seamark.sim.metrics.station_keeping import METRICS, level_metrics, overall
@@ -44,7 +45,7 @@ class StationKeeping(InCurrent[Settings]):
         all_lost = any(level["whole_lost_percent"] >= 100.0 for level in levels)
         return TrialScore(
             score=score,
-            level_held=_held(levels),
+            level_held=held_up_to(levels),
             rankable=math.isfinite(score) and not all_lost,
             reason=LOST if all_lost else "",
             overall=over_run(self.overall_metrics(), levels),
@@ -53,16 +54,6 @@ class StationKeeping(InCurrent[Settings]):
     def overall_metrics(self) -> tuple[LevelMetric[Any], ...]:
         """Return the metrics over all levels of a trial."""
         return overall(self._metrics)
-
-
-def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
-    """Return the speed [m/s] up to which every level was held; None if not even the lowest."""
-    held: float | None = None
-    for speed in sorted({float(level["speed"]) for level in levels}):
-        if not all(level["held"] for level in levels if level["speed"] == speed):
-            break
-        held = speed
-    return held
 
 
 def level_facts(

@@ -62,11 +62,22 @@ class VehicleModel:
         self.force = [sum(map(mul, row, thrust)) for row in self._allocation]
         for axis in AXES:
             speed = self._predicted[axis]
-            drag = (self._linear[axis] + self._quadratic[axis] * abs(speed)) * speed
-            speed += (self.force[axis] - drag) / self.mass[axis] * observation.dt
+            push = self.force[axis] - self.drag(axis, speed)
+            speed += push / self.mass[axis] * observation.dt
             if self.fresh:
                 speed += self._correction * (measured[axis] - speed)
             self._predicted[axis] = speed
+
+    def drag(self, axis: int, speed: float) -> float:
+        """Return the drag of an axis [N] at a speed through the water [m/s]."""
+        slope: float = self._linear[axis] + self._quadratic[axis] * abs(speed)
+        return slope * speed
+
+    def speed_of(self, axis: int, drag: float) -> float:
+        """Return the speed through the water [m/s] at which an axis has this drag [N]."""
+        slope, curvature = self._linear[axis], self._quadratic[axis]
+        root = math.sqrt(slope * slope + 4.0 * curvature * abs(drag))
+        return math.copysign(2.0 * abs(drag) / (slope + root), drag)
 
     def reference(self, axis: int, force: float) -> float:
         """Return the velocity reference [m/s] with which the thrusters give a force [N] now.

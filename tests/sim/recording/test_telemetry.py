@@ -111,25 +111,30 @@ def test_every_thruster_has_a_column_and_none_of_the_others_moves(thrusters: int
 
 
 def test_the_width_of_rows_says_which_columns_they_have() -> None:
-    arms = [(False,) * 3, (True, False, False), (True, True, False), (True,) * 3]
+    alone = [(False, False, False, route) for route in (False, True)]
+    arms = [
+        (True, work, search, False)
+        for work, search in ((False, False), (True, False), (True, True))
+    ]
     kinds = [
         (thrusters, *groups, detections)
         for thrusters, groups, detections in product(
-            range(COMMON_THRUSTERS, THRUSTERS_MAX + 1), arms, [False, True]
+            range(COMMON_THRUSTERS, THRUSTERS_MAX + 1), [*alone, *arms], [False, True]
         )
     ]
+    groups = "arm", "work", "search", "route", "detections"
 
     widths = [
-        telemetry.width_for(thrusters, arm=arm, work=work, search=search, detections=detections)
-        for thrusters, arm, work, search, detections in kinds
+        telemetry.width_for(thrusters, **dict(zip(groups, flags, strict=True)))
+        for thrusters, *flags in kinds
     ]
 
     assert len(set(widths)) == len(widths)
     for kind, width in zip(kinds, widths, strict=True):
         names = telemetry.names(width)
         found = sum(name.startswith("thrust_") for name in names)
-        has = telemetry.has_arm, telemetry.has_work, telemetry.has_search, telemetry.has_detections
-        assert (found, *(group(width) for group in has)) == kind
+        has = [getattr(telemetry, f"has_{group}")(width) for group in groups]
+        assert (found, *has) == kind
         assert len(set(names)) == len(names) == width
 
 

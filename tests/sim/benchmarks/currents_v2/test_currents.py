@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from seamark.sim.benchmarks.currents_v2.experiment import EXPERIMENT, NOT_HELD, current_held
+from seamark.sim.benchmarks.currents_v2.experiment import EXPERIMENT, NOT_HELD
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
+from seamark.sim.benchmarks.level_area import area_over_current
 from seamark.sim.control.observation import STARTS
 from seamark.sim.engine.program import BuiltIn, Command, Program
 from seamark.sim.engine.replay import Replay
@@ -205,9 +206,11 @@ def test_the_score_is_the_area_under_the_quality_from_zero_to_the_strongest_curr
         {"speed": 0.4, "quality": 0.0},
     ]
 
-    assert current_held(levels) == pytest.approx(0.1 + 0.2 * 0.75 + 0.1 * 0.25)
-    assert current_held(levels[::-1]) == current_held(levels)
-    assert current_held(levels + levels) == pytest.approx(current_held(levels))
+    assert area_over_current(levels, "quality") == pytest.approx(0.1 + 0.2 * 0.75 + 0.1 * 0.25)
+    assert area_over_current(levels[::-1], "quality") == area_over_current(levels, "quality")
+    assert area_over_current(levels + levels, "quality") == pytest.approx(
+        area_over_current(levels, "quality")
+    )
 
 
 def test_a_start_out_of_view_is_refused_with_the_largest_that_is_not() -> None:

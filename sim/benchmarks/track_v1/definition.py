@@ -1,0 +1,98 @@
+"""track-v1: which programs follow a route in the strongest current."""
+
+from seamark.sim.benchmarks.benchmark import (
+    Baseline,
+    Benchmark,
+    Chart,
+    RankedProtocol,
+    StartingPoint,
+    Table,
+)
+from seamark.sim.benchmarks.track_v1.settings import ALTERNATING, TrackConfiguration
+from seamark.sim.metrics import following
+from seamark.sim.metrics.energy import ENERGY, POWER
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.recording.telemetry import thrust_names
+from seamark.sim.settings.route import FIXES
+from seamark.sim.settings.route import GROUP as ROUTE
+from seamark.sim.settings.trial_spreads import GROUP as SPREADS
+from seamark.sim.vehicles import load, most_thrusters
+
+CHARTS = (
+    Chart("Cross-track error", "m", ("cross_track",)),
+    Chart("Cross-track error to starboard and down", "m", ("cross_track_y", "cross_track_z")),
+    Chart("Way along the route", "m", ("route_along",)),
+    Chart("North: vehicle and acoustic fix", "m", ("x", "fix_x")),
+    Chart("East: vehicle and acoustic fix", "m", ("y", "fix_y")),
+    Chart("Depth", "m", ("z", "route_z")),
+    Chart("Age of the acoustic fix", "s", ("fix_age",)),
+    Chart("Velocity reference", "m/s", ("ref_u", "ref_v", "ref_w")),
+    Chart("Velocity by the DVL", "m/s", ("dvl_u", "dvl_v", "dvl_w")),
+    Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
+    Chart("Thrust", "N", thrust_names(most_thrusters())),
+    Chart("Contact force", "N", ("contact_n",)),
+    Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
+)
+BUILT_IN = {
+    "into-flow": "Integral line of sight, bow into the flow",
+    "ilos": "Integral line of sight",
+    "los": "Line of sight",
+}
+REFERENCE_BUILT_IN = {
+    "into-flow": "Integral line of sight, bow into the flow",
+    "nothing": "Nothing: zero velocity",
+    "blind": "Blind: line of sight by DVL and compass, without fixes",
+    "oracle": "Oracle: knows the truth",
+}
+BENCHMARK = Benchmark(
+    name="track-v1",
+    title="Follow a route",
+    summary=(
+        "Follow waypoints, helices and lemniscates by DVL, compass and sparse acoustic fixes, in "
+        "currents of up to 0.8 m/s, with two vehicles that are not quite as their data sheets say."
+    ),
+    question="Which programs follow a route most closely in the strongest current?",
+    participants="programs",
+    role="controller",
+    built_in=BUILT_IN,
+    reference_built_in=REFERENCE_BUILT_IN,
+    experiment="seamark.sim.benchmarks.track_v1.experiment:EXPERIMENT",
+    headline=Metric("score", "Followed up to", "m/s", "higher"),
+    score_bar_max=0.8,
+    level_held_unit="m/s",
+    error_column="cross_track",
+    charts=CHARTS,
+    tables=(Table("Each level", (*following.METRICS, following.HELD)),),
+    key_metrics=(following.QUALITY,),
+    board_metrics=(following.CROSS_TRACK, following.PROGRESS, POWER, ENERGY),
+    pareto=(following.CROSS_TRACK, POWER),
+    metric_groups=(following.GROUP,),
+    baselines={
+        name: Baseline(label, name) for name, label in (REFERENCE_BUILT_IN | BUILT_IN).items()
+    },
+    configuration=TrackConfiguration,
+    groups=(
+        *("Experiment", ROUTE, FIXES, "Guidance", "Current", "Grid", "Velocity controller"),
+        *("Sensors", "Faults", SPREADS),
+    ),
+    presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
+    quick_settings={"levels": [0.2], "level_duration_s": 4.0},
+    starting_points={
+        "still-water": StartingPoint(
+            "Still water", "One level without a current, to begin with.", {"levels": (0.0,)}
+        ),
+        "good-fixes": StartingPoint(
+            "Exact fixes",
+            "A position each half second, without noise or delay.",
+            {
+                "fix_period_s": 0.5,
+                "fix_delay_s": 0.0,
+                "fix_dropout": 0.0,
+                "fix_range_sigma_m": 0.0,
+                "fix_angle_sigma_rad": 0.0,
+            },
+        ),
+    },
+    # block: both vehicles on all three kinds of routes.
+    protocol=RankedProtocol(reference_trials=6, fresh_trials=24, block=6),
+)

@@ -1,0 +1,150 @@
+"""Settings of track-v1: a route to follow, in levels of increasing current.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from typing import Any, Self
+
+from seamark.sim.metrics.following import METRICS
+from seamark.sim.settings.current_levels import CurrentLevels
+from seamark.sim.settings.custom_score import custom_score_setting
+from seamark.sim.settings.experiment import experiment_setting
+from seamark.sim.settings.route import RouteSettings
+from seamark.sim.settings.setting import group_of, override, setting
+from seamark.sim.settings.targets import TargetShape
+from seamark.sim.settings.trial_spreads import GROUP as SPREADS
+from seamark.sim.settings.trial_spreads import TrialSpreadSettings
+from seamark.sim.vehicles import load
+
+BOTH = "both"
+ALTERNATING = ("girona500", "bluerov2-heavy-v2")  # in even, in odd trials
+HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", SPREADS})
+HIDDEN = frozenset({"levels", "score"})
+MARK = TargetShape("Concrete weight", 1.0, 0.6, 0.4, True)  # on the bottom, below the start
+SEABED_M = 20.0  # [m] depth, E: inshore
+_SCENE = TrialSpreadSettings.model_fields
+
+
+class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
+    """Settings of track-v1. Seed, trials and controller are not part of it."""
+
+    vehicle: str = experiment_setting(
+        BOTH,
+        title="Vehicle",
+        help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
+        "defaults.",
+        choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
+        | {name: load(name).title for name in ALTERNATING},
+    )
+    levels: tuple[float, ...] = experiment_setting(
+        (0.0, 0.2, 0.4, 0.6, 0.8),
+        title="Current levels",
+        help="Mean speed of the current at each level, in increasing order; they run in an order "
+        "that is drawn.",
+        unit="m/s",
+        low=0,
+        high=1,
+        length=(1, 12),
+        tag="E",
+        source="beyond what the oracle follows; see docs/benchmarks.md",
+    )
+    level_duration_s: float = override(
+        _SCENE["level_duration_s"],
+        120.0,
+        help="Simulated time before the vehicle returns to its start and the current changes.",
+        tag="E",
+        source="the route at 0.25 m/s on average",
+    )
+    altitude_m: float = override(
+        _SCENE["altitude_m"],
+        5.0,
+        help="Height of the camera above the weight on the bottom at the start of a level.",
+        tag="E",
+        source="room for routes that rise and fall by 2 m",
+    )
+    start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
+    speed_m_s: float = setting(
+        0.5,
+        title="Speed along the route",
+        help="That the built-in controllers aim at.",
+        group="Guidance",
+        role="solution",
+        unit="m/s",
+        low=0.05,
+        high=1,
+        tag="E",
+        source="twice what the time needs on average",
+        applies={"controller": ("los", "ilos", "upload")},
+    )
+    lookahead_m: float = setting(
+        1.0,
+        title="Lookahead distance",
+        help="How far ahead of the nearest point of the route the vehicle aims.",
+        group="Guidance",
+        role="solution",
+        unit="m",
+        low=0.1,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+        applies={"controller": ("los", "ilos", "upload")},
+    )
+    integral_gain: float = setting(
+        0.1,
+        title="Integral gain",
+        help="Of the cross-track error, by which the integral line of sight corrects its course.",
+        group="Guidance",
+        role="solution",
+        unit="m/s",
+        low=0,
+        high=2,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+        applies={"controller": ("ilos", "upload")},
+    )
+    score: str = custom_score_setting(METRICS, group="Experiment")
+
+    def vehicles(self) -> tuple[str, ...]:
+        """Return the vehicles that take turns from trial to trial."""
+        return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
+
+    def target_shape(self) -> TargetShape:
+        """Return the weight on the bottom, below the start."""
+        return MARK
+
+    def base_levels(self) -> tuple[float, ...]:
+        """Return the mean speeds [m/s] without a grid."""
+        return self.levels
+
+    def levels_in_order(self) -> bool:
+        """Return whether the levels run as listed."""
+        return not self.shuffle_levels
+
+    def for_trial(self, trial: int) -> Self:
+        """Return the configuration of one trial, with its vehicle and its kind of route."""
+        vehicles = self.vehicles()
+        name = vehicles[trial % len(vehicles)]
+        known = type(self).model_fields
+        defaults = {key: value for key, value in load(name).defaults.items() if key in known}
+        if self.vehicle != BOTH:
+            defaults = {}
+        return self.model_copy(
+            update={"vehicle": name, "route": self.route_kind(trial), **defaults}
+        )
+
+    def cross_field_errors(self) -> dict[str, str]:
+        """Return setting -> message for the rules between several settings."""
+        return super().cross_field_errors() or self.grid_errors()
+
+    def ranking_errors(self) -> dict[str, str]:
+        """Return nothing: there is no tracker that could be the ground truth."""
+        return {}
+
+    def for_program(self) -> dict[str, Any]:
+        """Return the settings that a program is given: nothing that tells the current."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in self.model_dump().items()
+            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
+        }
