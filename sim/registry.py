@@ -60,9 +60,9 @@ REFERENCE_CONTROLLERS = {
 # For tasks other than to keep station, most of them with an arm; marks on the leaderboards last.
 TASK_CONTROLLERS = {
     "track": {
-        "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
         "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
         "los": "seamark.sim.control.track.guidance:LineOfSight",
+        "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
     },
     "mission": {
         "chain": "seamark.sim.control.manipulation.mission:Chain",

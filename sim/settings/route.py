@@ -33,7 +33,7 @@ class RouteSettings(ExperimentSettings):
         low=5,
         high=100,
         tag="E",
-        source="0.25 m/s on average, half of what the slower vehicle makes against 0.4 m/s",
+        source="0.25 m/s on average over the time of a level",
     )
     start_error_m: float = fix_setting(
         1.5,

@@ -34,9 +34,9 @@ CHARTS = (
     Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
 )
 BUILT_IN = {
-    "into-flow": "Integral line of sight, bow into the flow",
     "ilos": "Integral line of sight",
     "los": "Line of sight",
+    "into-flow": "Integral line of sight, bow into the flow",
 }
 REFERENCE_BUILT_IN = {
     "into-flow": "Integral line of sight, bow into the flow",

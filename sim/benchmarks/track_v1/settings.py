@@ -74,7 +74,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         high=1,
         tag="E",
         source="twice what the time needs on average",
-        applies={"controller": ("los", "ilos", "upload")},
+        applies={"controller": ("los", "ilos", "into-flow", "blind", "upload")},
     )
     lookahead_m: float = setting(
         1.0,
@@ -87,7 +87,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         high=5,
         tag="E",
         source="scan on seeds that no benchmark uses",
-        applies={"controller": ("los", "ilos", "upload")},
+        applies={"controller": ("los", "ilos", "into-flow", "blind", "upload")},
     )
     integral_gain: float = setting(
         0.1,
@@ -100,7 +100,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         high=2,
         tag="E",
         source="scan on seeds that no benchmark uses",
-        applies={"controller": ("ilos", "upload")},
+        applies={"controller": ("ilos", "into-flow", "upload")},
     )
     score: str = custom_score_setting(METRICS, group="Experiment")
 
