@@ -12,6 +12,13 @@ GROUP, FIXES = "Route", "Acoustic fixes"
 EACH = "each"
 WAYPOINTS, HELIX, LEMNISCATE = "waypoints", "helix", "lemniscate"
 KINDS = {WAYPOINTS: "Waypoints", HELIX: "Helix", LEMNISCATE: "Lemniscate"}
+_OF_TARGET = frozenset(
+    {
+        *("target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error"),
+        *(f"corner_{at}" for at in range(8)),
+        *("error_x", "error_y", "error_z", "error_x_px", "error_y_px", "distance", "distance_px"),
+    }
+)
 route_setting = partial(setting, group=GROUP, role="scenario")
 fix_setting = partial(setting, group=FIXES, role="scenario", advanced=True)
 
@@ -120,6 +127,10 @@ class RouteSettings(ExperimentSettings):
     def has_route(self) -> bool:
         """Return whether there is a route to follow: always."""
         return True
+
+    def unused_columns(self) -> frozenset[str]:
+        """Return those of a camera above its target too: nobody looks at the weight."""
+        return super().unused_columns() | _OF_TARGET
 
     def route_kind(self, trial: int) -> str:
         """Return the kind of the route of a trial."""

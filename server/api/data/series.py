@@ -83,11 +83,11 @@ def series_of(files: RunFiles, query: SeriesQuery, *, final: bool) -> dict[str, 
 
 @api.get("/runs/<int:run_id>/moments.json", responses={200: MomentsResponse})
 def moments(path: RunPath, query: TrialQuery) -> dict[str, Any]:
-    """Return when the levels of a trial began, its largest error, and when the target was lost.
+    """Return when a trial's levels began, its largest error, and when target or route was lost.
 
     Where an arm works on something, also when each stage of the work was reached.
-    The error is that of the tracker where trackers are compared, and the distance to the station
-    where controllers are; detectors have none.
+    The error is that of the tracker where trackers are compared, the distance to the station where
+    controllers are, and that to the route where one is followed; detectors have none.
     """
     view = access.run_for(path.run_id)
     error = error_column(view.benchmark)

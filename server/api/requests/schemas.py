@@ -251,7 +251,9 @@ class MomentsResponse(ResponseModel):
 
     levels: list[dict[str, float]] = Field(description="`level` and `t` of its first row")
     largest_error: dict[str, Any] | None = Field(description="`column`, `t` and `value`")
-    losses: list[float] = Field(description="When the tracker lost the target; the first 200")
+    losses: list[float] = Field(
+        description="When the tracker lost the target, or the vehicle its route; the first 200"
+    )
     touches: list[float] = Field(description="When the hull first touched something in a level")
     stages: list[dict[str, float]] | None = Field(
         None, description="Of interventions: `level`, `stage` from 0, and `t` when it was reached"

@@ -237,12 +237,13 @@ def _scores() -> Iterator[tuple[Benchmark, str]]:
 def _telemetry() -> dict[str, Any]:
     columns = [(one.name, one.unit, one.meaning) for one in telemetry.COLUMNS]
     arm, work = _alike(telemetry.ARM_COLUMNS), _alike(telemetry.WORK_COLUMNS)
-    search = _alike(telemetry.SEARCH_COLUMNS)
+    search, route = _alike(telemetry.SEARCH_COLUMNS), _alike(telemetry.ROUTE_COLUMNS)
     return {
         "columns": columns,
         "arm_columns": arm,
         "work_columns": work,
         "search_columns": search,
+        "route_columns": route,
         "object_columns": _alike(_numbered("object", telemetry.OBJECT_COLUMNS)),
         "answer_columns": _alike(_numbered("answer", telemetry.ANSWER_COLUMNS)),
         "answers": telemetry.ANSWERS,

@@ -6,13 +6,13 @@ import numpy as np
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.sim import registry
-from seamark.sim.recording.telemetry import COLUMNS, INDEX
+from seamark.sim.recording.telemetry import COLUMNS, ROUTE_COLUMNS
 
 POINTS = 32
 ROWS_PER_POINT = 8
 _DIGITS = 3
 
-UNITS = {column.name: column.unit for column in COLUMNS}
+UNITS = {column.name: column.unit for column in (*COLUMNS, *ROUTE_COLUMNS)}
 Curve = list[float | None]
 
 
@@ -32,7 +32,7 @@ def error_curve(files: RunFiles, benchmark: str) -> Curve | None:
         return None
     count = min(POINTS * ROWS_PER_POINT, rows)
     picked = np.linspace(0, rows - 1, count).astype(int).tolist()
-    values = files.rows_at(picked)[:, INDEX[column]]
+    values = files.rows_at(picked)[:, files.columns.index(column)]
     return [_mean(part) for part in np.array_split(values, min(POINTS, len(values)))]
 
 

@@ -75,6 +75,7 @@ class RunFiles:
             "arm": telemetry.ARM_COLUMNS,
             "work": telemetry.WORK_COLUMNS,
             "search": telemetry.SEARCH_COLUMNS,
+            "route": telemetry.ROUTE_COLUMNS,
             "detections": telemetry.DETECTION_COLUMNS,
         }
         has = {name: group[0].name in written for name, group in optional.items()}

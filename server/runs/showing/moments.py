@@ -15,11 +15,14 @@ from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
+from seamark.sim.metrics.following import REACH_M
 from seamark.sim.recording.telemetry import (
     INDEX,
+    ROUTE_INDEX,
     SEARCH_INDEX,
     Rows,
     has_detections,
+    has_route,
     has_search,
 )
 
@@ -43,11 +46,7 @@ class _Moments:
         t, level = rows[:, INDEX["t"]], rows[:, INDEX["level"]]
         begins = np.diff(level, prepend=self.level) != 0  # also of the first row: NaN
         self.levels += [{"level": int(level[at]), "t": t[at]} for at in np.flatnonzero(begins)]
-        reported = rows[:, INDEX["tracker_ok"]]
-        # A log may be without a tracker, and what a detector sees is none.
-        lost = np.isfinite(reported) & (reported != 1.0) & (not has_detections(rows.shape[1]))
-        if has_search(rows.shape[1]):  # what is still looked for is not lost
-            lost &= rows[:, SEARCH_INDEX["searching"]] != 1.0
+        lost = _lost(rows)
         before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
         room = LOSSES_MAX - len(self.losses)
         self.losses += t[lost & ~before][:room].tolist()
@@ -72,6 +71,19 @@ class _Moments:
         self.touched = goes_on or bool((touched == level[-1]).any())
 
 
+def _lost(rows: Rows) -> Flags:
+    """Return in which rows the tracker has lost its target, or the vehicle its route."""
+    if has_route(rows.shape[1]):
+        away: Flags = rows[:, ROUTE_INDEX["cross_track"]] > REACH_M
+        return away
+    reported = rows[:, INDEX["tracker_ok"]]
+    # A log may be without a tracker, and what a detector sees is none.
+    lost: Flags = np.isfinite(reported) & (reported != 1.0) & (not has_detections(rows.shape[1]))
+    if has_search(rows.shape[1]):  # what is still looked for is not lost
+        lost &= rows[:, SEARCH_INDEX["searching"]] != 1.0
+    return lost
+
+
 Reached = Callable[[Rows], tuple[int, ...]]  # of the rows of a level: those that reached stages
 
 
@@ -90,12 +102,13 @@ def moments(
     """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts,
     if there is one.
 
-    A loss is where the tracker begins to report that it has no target, in each level anew; a touch
-    where the hull first meets the bottom or the target in a level.
+    A loss is where the tracker begins to report that it has no target, in each level anew, or where
+    the vehicle gets too far from the route that it follows to get on along it; a touch where the
+    hull first meets the bottom or the target in a level.
     """
     events = _Moments()
     first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
-    column = None if error is None else INDEX[error]
+    column = files.columns.index(error) if error in files.columns else None
     for start in range(first, after, BLOCK_ROWS):
         events.add(files.rows(start, min(start + BLOCK_ROWS, after)), column)
     largest = {"column": error, "t": events.error_t, "value": events.error}

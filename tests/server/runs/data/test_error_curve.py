@@ -8,7 +8,7 @@ import numpy as np
 from seamark.server.pages.run.sparkline import segments
 from seamark.server.runs.data.error_curve import POINTS, error_curve
 from seamark.server.runs.data.files import RunFiles
-from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, WIDTH, width_for
 
 
 def _files(data: Path, errors: list[float], trials: int = 1) -> RunFiles:
@@ -43,6 +43,16 @@ def test_a_run_of_a_few_rows_has_as_many_points_and_one_without_rows_no_curve(
 ) -> None:
     assert error_curve(_files(tmp_path, [1.0, math.nan, 3.0]), "currents-v2") == [1.0, None, 3.0]
     assert error_curve(RunFiles(tmp_path, 2, 1), "currents-v2") is None
+
+
+def test_the_curve_of_a_route_is_the_distance_from_it(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    rows = np.zeros((2, width_for(8, route=True)))
+    rows[:, ROUTE_INDEX["cross_track"]] = 0.5, 2.0
+    files = RunFiles(tmp_path, 1, 1)
+    files.append_rows(rows)
+
+    assert error_curve(files, "track-v1") == [0.5, 2.0]
 
 
 def test_the_lines_of_the_picture_end_where_there_is_no_value() -> None:

@@ -6,7 +6,14 @@ import numpy as np
 
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.moments import LOSSES_MAX, moments
-from seamark.sim.recording.telemetry import INDEX, SEARCH_INDEX, WIDTH, Rows, width_for
+from seamark.sim.recording.telemetry import (
+    INDEX,
+    ROUTE_INDEX,
+    SEARCH_INDEX,
+    WIDTH,
+    Rows,
+    width_for,
+)
 
 ROWS = 40_000  # more than is read at once
 
@@ -62,6 +69,22 @@ def test_what_a_detector_still_looks_for_is_not_lost(tmp_path: Path) -> None:
     assert moments(files, 0, "distance")["losses"] == [30.0]
 
 
+def test_a_route_is_lost_where_the_vehicle_gets_farther_than_a_metre_off_it(tmp_path: Path) -> None:
+    table = np.zeros((100, width_for(8, route=True)))  # without a tracker, which would be lost
+    table[:, INDEX["t"]] = np.arange(100)
+    table[:, INDEX["level"]] = np.repeat([0.0, 1.0], 50)
+    table[:, ROUTE_INDEX["cross_track"]] = 0.9
+    table[20:30, ROUTE_INDEX["cross_track"]] = 1.1
+    table[70, ROUTE_INDEX["cross_track"]] = 2.5
+    files = RunFiles(tmp_path, 1, 1)
+    files.append_rows(table)
+
+    found = moments(files, 0, "cross_track")
+
+    assert found["losses"] == [20.0, 70.0]
+    assert found["largest_error"] == {"column": "cross_track", "t": 70.0, "value": 2.5}
+
+
 def test_a_tracker_that_flickers_gives_a_list_of_bounded_length(tmp_path: Path) -> None:
     files = _files(tmp_path, tracker_ok=np.arange(ROWS) % 2)
 
@@ -106,5 +129,6 @@ def test_a_trial_without_rows_has_no_moments(tmp_path: Path) -> None:
     files = _files(tmp_path)
 
     found = moments(files, 3, "distance")
+    before_any = moments(RunFiles(tmp_path, 2, 1), 0, "cross_track")
 
-    assert found == {"levels": [], "largest_error": None, "losses": [], "touches": []}
+    assert found == before_any == {"levels": [], "largest_error": None, "losses": [], "touches": []}
