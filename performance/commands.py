@@ -72,6 +72,7 @@ OTHERS = {
     "player_figures": "figures.player",
     "demo_recording": "figures.demo_recording",
     "screenshots": "figures.screenshots",
+    "synthetic_current": "figures.synthetic_current",
 }
 MODULES = {name: f"performance.{module}" for name, module in (TABLES | OTHERS).items()}
 

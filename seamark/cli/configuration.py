@@ -54,7 +54,7 @@ def configuration_of(name: str, file: Path | None, pairs: Sequence[str]) -> Conf
 
     benchmark = benchmark_of(name)
     try:
-        return benchmark.read(typed(with_vehicle(read_settings(file, pairs)), benchmark.schema()))
+        return benchmark.read(typed(with_files(read_settings(file, pairs)), benchmark.schema()))
     except ConfigurationInvalid as error:
         raise UsageRefused(str(error)) from None
 
@@ -77,7 +77,7 @@ def run_configuration_of(
     if program is not None:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
     try:
-        given = typed(with_vehicle(read_settings(file, pairs)), benchmark.schema())
+        given = typed(with_files(read_settings(file, pairs)), benchmark.schema())
         return configurations.read(benchmark, given, declared).document()
     except ConfigurationInvalid as error:
         raise UsageRefused(str(error)) from None
@@ -98,17 +98,27 @@ def read_settings(
     return values
 
 
-def with_vehicle(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings in which the file of a user's own vehicle is read; raises UsageRefused."""
+def with_files(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings in which the files of a user's own vehicle and record of currents are read.
+
+    Raises
+    ------
+    UsageRefused
+        One of them cannot be read, or breaks a rule.
+    """
+    from seamark.sim.physics.water_motion import records
+    from seamark.sim.physics.water_motion.record import RecordInvalid
     from seamark.sim.vehicles import own
     from seamark.sim.vehicles.reading import VehicleInvalid
 
     try:
-        return own.resolved(settings)
+        return records.resolved(own.resolved(settings))
     except VehicleInvalid as reason:
         path, more = settings[own.SETTING], len(reason.errors) - 1
         rest = f" {more} more: `seamark vehicle check {path}`." if more else ""
         raise UsageRefused(f"{path}: {reason.errors[0]}{rest}") from None
+    except RecordInvalid as reason:
+        raise UsageRefused(f"{settings[records.SETTING]}: {reason}") from None
 
 
 def taken_vehicle(settings: Mapping[str, Any]) -> tuple[dict[str, Any], Path | None]:

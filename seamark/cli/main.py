@@ -31,6 +31,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
         "Write episodes of a built-in expert for imitation learning.",
     ),
     "vehicle": ("vehicle:vehicle", "Check, draw or import the file of a vehicle."),
+    "current": ("current:current", "Make a record of currents of a measured or modelled file."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
     "completion": ("completion:completion", "Print the completion script of a shell."),
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),

@@ -236,7 +236,7 @@ def task_of(name: str, options: Options) -> TuningTask:
     UsageRefused, ProgramFailed
         The options are wrong; the program would be refused.
     """
-    from seamark.cli.configuration import benchmark_of, read_settings, typed, with_vehicle
+    from seamark.cli.configuration import benchmark_of, read_settings, typed, with_files
     from seamark.cli.solutions import choose, prepare_valid
 
     if missing(PACKAGES):
@@ -248,7 +248,7 @@ def task_of(name: str, options: Options) -> TuningTask:
     if program is not None:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
     written = read_settings(options.config, options.pairs)
-    given = typed(written if options.server else with_vehicle(written), benchmark.schema())
+    given = typed(written if options.server else with_files(written), benchmark.schema())
     try:
         base = configurations.read(benchmark, given, declared).document()
     except ConfigurationInvalid as error:

@@ -31,6 +31,7 @@ from seamark.formats.archive import (
 from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
+from seamark.sim.physics.water_motion.record import BYTES_MAX as CURRENT_BYTES
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_BYTES
 
@@ -59,6 +60,15 @@ class VehicleFile(BaseModel):
     text: str = Field(max_length=VEHICLE_BYTES)
 
 
+class CurrentFile(BaseModel):
+    """The file of a user's own record of currents, and its SHA-256."""
+
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+
+    sha256: Sha256
+    text: str = Field(max_length=CURRENT_BYTES)
+
+
 class Manifest(BaseModel):
     """What of a manifest decides a result, or tells why another one came out."""
 
@@ -80,6 +90,7 @@ class Manifest(BaseModel):
     cpu: dict[str, str] = Field(default_factory=dict)
     same_bits_on_every_cpu: bool = True
     vehicle_file: VehicleFile | None = None
+    current_file: CurrentFile | None = None
 
     def trial_seeds(self) -> tuple[int, ...]:
         """Return the seed of each trial; raises ArchiveRefused if they are hidden."""

@@ -18,6 +18,7 @@ from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.fleet.fleet import Fleet
 from seamark.sim.numerics.arrays import Flags
 from seamark.sim.numerics.random_streams import streams
+from seamark.sim.physics.water_motion import records
 from seamark.sim.registry import TRUTH
 from seamark.sim.vehicles import own
 
@@ -71,7 +72,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(own.resolved(settings or {}))
+        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
         self._config, self.num_envs, self.render_mode = config, num_envs, render_mode
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
         self._mode = AutoresetMode(autoreset_mode)

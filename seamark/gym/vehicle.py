@@ -25,6 +25,7 @@ from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
 from seamark.sim.engine.delay import STILL
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.world import World
+from seamark.sim.physics.water_motion import records
 from seamark.sim.recording.telemetry import (
     ARM_INDEX,
     ARM_JOINTS,
@@ -127,7 +128,7 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(own.resolved(settings or {}))
+        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
         self._config = config
         experiment = entry.load()
         self._experiment: InCurrent[Any] = experiment  # type: ignore[assignment]

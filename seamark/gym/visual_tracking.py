@@ -12,6 +12,7 @@ from seamark.gym.episodes import Episode, Episodes
 from seamark.sim import registry
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.metrics.tracking import FAR_PX
+from seamark.sim.physics.water_motion import records
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.sim.trackers import Corners, Track, Window
 from seamark.sim.vehicles import own
@@ -73,7 +74,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(own.resolved(settings or {}))
+        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
         if getattr(config, "mode", "") == "free":
             raise ValueError("the environment needs a prescribed path: mode must not be free")
         self._config, self._experiment = config, entry.load()

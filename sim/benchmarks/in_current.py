@@ -4,11 +4,12 @@ from typing import Any, Generic, TypeVar
 
 from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera
-from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialPlan
+from seamark.sim.engine.level_current import level_current, level_stretch, site_of
 from seamark.sim.engine.program import BuiltIn, Program
 from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.team import Team
@@ -23,11 +24,10 @@ from seamark.sim.engine.world import (
     configured_water,
     draw_noise_seed,
     program_optics,
-    target_and_optics,
 )
 from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.random_streams import Streams, streams
-from seamark.sim.physics.current import Current, Pattern, Shear
+from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.settings.current_levels import CurrentLevels
 
 Settings = TypeVar("Settings", bound=CurrentLevels)
@@ -59,7 +59,19 @@ class InCurrent(Generic[Settings]):
 
     def plan(self, config: Settings, *, seed: int, trial: int) -> TrialPlan:
         """Return that the levels run as listed."""
-        return TrialPlan(order=tuple(range(len(config.level_values()))))
+        return TrialPlan(
+            order=tuple(range(len(config.level_values()))),
+            conditions=self.stretches(config, seed=seed, trial=trial),
+        )
+
+    def stretches(self, config: Settings, *, seed: int, trial: int) -> dict[str, Any]:
+        """Return for the conditions which stretch of its record each level has; {} without one."""
+        found = []
+        for level, speed in enumerate(config.level_values()):
+            here, random = config.for_trial(trial).at(level), streams(seed, trial, level)
+            found.append(level_stretch(here, site_of(here, 0.0), speed, random))
+        told = [None if stretch is None else stretch._asdict() for stretch in found]
+        return {"stretches": told} if any(told) else {}
 
     def level(
         self,
@@ -172,20 +184,12 @@ def _current(config: CurrentLevels, level: int, drawn: TrialConditions, random: 
         law="force" if config.current_law == "force" else "relative",
         force_share=config.current_force_share,
     )
-    return Current(
+    pattern = drawn.current.of(pattern)
+    return level_current(
+        config,
+        site_of(config, pattern.azimuth_rad),
         config.level_values()[level],
-        pattern=drawn.current.of(pattern),
-        shear=_shear(config),
-        rng=random.gust,
-        duration_s=config.level_duration_s,
+        random,
+        pattern=pattern,
+        exponent=config.current_shear,
     )
-
-
-def _shear(config: CurrentLevels) -> Shear | None:
-    """Return the current's profile: at the height of the start the level's own speed."""
-    if not config.current_shear:
-        return None
-    target, optics = target_and_optics(config)
-    start = float(start_pose(optics, target, config.altitude_m)[2])
-    bottom = target.seabed_m
-    return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)

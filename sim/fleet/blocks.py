@@ -5,13 +5,15 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from seamark.sim.fleet.tables import Bodies, Motion
+from seamark.sim.fleet.tables import WATER_NUMBERS, Bodies, Motion
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES, lanes_of, select
-from seamark.sim.physics.current import Water, segment_at
+from seamark.sim.physics.current import SEGMENT, Water, segment_at, segment_of
 from seamark.sim.physics.dynamics import RIGID, Body, Buffers, runge_kutta_step
 from seamark.sim.physics.thrusters import thrust_from_command
+
+TOP, SPACING = WATER_NUMBERS.index("top"), WATER_NUMBERS.index("spacing")
 
 
 class Work(NamedTuple):
@@ -22,7 +24,7 @@ class Work(NamedTuple):
     target: Array  # (k, 8) [N] steady thrusts
     first: Array  # (1, 8) physics steps since the level began
     middle: Array  # (1, 8) [s] the middle of the physics step
-    segment: Array  # (5, 8), see current.Segment
+    segment: Array  # (1, SEGMENT, 8), see current.Segment
     deep: Array  # (1, 8) whether the vehicle came below its gate: 0 or 1
     moves: Flags  # (8,) which vehicles are advanced
     buffers: Buffers  # each with a last index of 8
@@ -38,7 +40,7 @@ def work_for(size: int) -> Work:
         target=np.zeros((thrusters, LANES)),
         first=np.zeros((1, LANES)),
         middle=np.zeros((1, LANES)),
-        segment=np.zeros((5, LANES)),
+        segment=np.zeros((1, SEGMENT, LANES)),
         deep=np.zeros((1, LANES)),
         moves=np.zeros(LANES, np.bool_),
         buffers=Buffers(
@@ -106,18 +108,21 @@ def advance_block(
         deep[0] = select(state[2] > gate, 1.0, deep[0])
         t = (first[0] + done) * step_s
         middle[0] = t + 0.5 * step_s
-        _find_segments(block, motion, work)
-        drift = (segment[0], segment[1], segment[2], segment[3], segment[4])
-        runge_kutta_step(state, target, (t, step_s), body, (water, drift), buffers)
+        _find_segments(block, law, motion, work)
+        piece = segment_of(segment, 0)
+        runge_kutta_step(state, target, (t, step_s), body, (water, piece), buffers)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _find_segments(block: int, motion: Motion, work: Work) -> None:
+def _find_segments(block: int, law: int, motion: Motion, work: Work) -> None:
+    numbers = motion.water[block]
     for lane in range(LANES):
         if work.moves[lane]:
-            piece = segment_at(work.middle[0, lane], motion.drift[block * LANES + lane])
+            grid, drift = (numbers[TOP, lane], numbers[SPACING, lane]), motion.drift
+            t, depth = work.middle[0, lane], work.state[2, lane]
+            piece = segment_at(t, depth, law, grid, drift[block * LANES + lane])
             for j in range(len(piece)):
-                work.segment[j, lane] = piece[j]
+                work.segment[0, j, lane] = piece[j]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -159,4 +164,6 @@ def water_of(numbers: Array, law: int, drift: Array) -> Water:
         shear=numbers[9],
         bottom=numbers[10],
         height=numbers[11],
+        top=numbers[12],
+        spacing=numbers[13],
     )

@@ -19,8 +19,9 @@ from seamark.sim.fleet.steps import Shared, copy_columns, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tables, empty_tables
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.numerics.lanes import LANES
-from seamark.sim.physics.current import grid_points
+from seamark.sim.physics.current import grid_points, table_points
 from seamark.sim.physics.pose import read_pose
+from seamark.sim.physics.water_motion.tabulation import ROWS
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
@@ -251,9 +252,16 @@ def _sizes(config: StationKeepingSettings, count: int, *, by_thrusters: bool) ->
         command=thrusters if by_thrusters else COMMAND_NUMBERS,
         image_slots=slots[0],
         command_slots=slots[1],
-        grid=grid_points(config.level_duration_s),
+        drift=_drift_shape(config),
         readings=readings_of(config),
     )
+
+
+def _drift_shape(config: StationKeepingSettings) -> tuple[int, int]:
+    """Return the shape of `current.Water.drift`, the same for all levels and trials."""
+    if config.is_tabulated():
+        return ROWS, table_points(config.level_duration_s)
+    return 2, grid_points(config.level_duration_s)
 
 
 def _shared(

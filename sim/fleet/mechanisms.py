@@ -11,16 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from seamark.sim.fleet.blocks import water_of
+from seamark.sim.fleet.blocks import SPACING, TOP, water_of
 from seamark.sim.fleet.tables import WATER_NUMBERS
 from seamark.sim.multibody.mechanism import command_for, state_for, work_for
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import Command, Model, State, Work, take_step
+from seamark.sim.multibody.tree import WORLD, Structure, place
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.lanes import LANES, lanes_of
-from seamark.sim.physics.current import RELATIVE, Current, segment_at
+from seamark.sim.physics.current import RELATIVE, TABLE, Current, segment_at
 from seamark.sim.physics.terrain import Mounds
 
 
@@ -28,8 +29,8 @@ class _Stream(NamedTuple):
     """The water of eight mechanisms."""
 
     numbers: Array  # (WATER_NUMBERS, 8)
-    drift: Array  # (8, 2, grid)
-    segment: Array  # (5, 8), see current.Segment
+    drift: Array  # (8, rows, grid)
+    law: int
     middle: Array  # (1, 8) [s] of the step
     first: Array  # (1, 8) steps since the beginning
 
@@ -40,7 +41,7 @@ class Mechanisms:
     Raises
     ------
     ValueError
-        Their structures differ, a current does not follow the relative law, or lengths of
+        Their structures differ, a current follows the force law, or laws, lengths or depths of
         currents differ.
     """
 
@@ -58,10 +59,11 @@ class Mechanisms:
         filled = [*models, *[models[-1]] * (-len(models) % LANES)]
         waters = [current.water for current in currents]
         waters += [waters[-1]] * (len(filled) - len(waters))
-        if any(water.law != RELATIVE for water in waters):
-            raise ValueError("mechanisms need currents of the relative law")
+        laws = {water.law for water in waters}
+        if not laws <= {RELATIVE, TABLE} or len(laws) > 1:
+            raise ValueError("mechanisms need currents of the relative law, or of tables alone")
         if len({water.drift.shape for water in waters}) > 1:
-            raise ValueError("the currents of one fleet must have the same length")
+            raise ValueError("the currents of one fleet must have the same length and depths")
         self._ground, self._timing = ground, timing
         blocks = range(0, len(filled), LANES)
         self._models = [_side_by_side(filled[at : at + LANES]) for at in blocks]
@@ -127,7 +129,7 @@ def _stream(waters: Sequence[Any]) -> _Stream:
     return _Stream(
         numbers=np.array([[float(getattr(w, n)) for w in waters] for n in WATER_NUMBERS]),
         drift=np.array([water.drift for water in waters]),
-        segment=np.zeros((5, LANES)),
+        law=waters[0].law,
         middle=np.zeros((1, LANES)),
         first=np.zeros((1, LANES)),
     )
@@ -176,16 +178,26 @@ def advance_block(
     """Advance eight mechanisms by a number of steps, each from its own time on."""
     stream = borrowed(stream)
     models, states = lanes_of(borrowed(model)), lanes_of(borrowed(state))
-    commands, works = lanes_of(borrowed(command)), lanes_of(borrowed(work))
-    segment, middle = lanes_of(stream.segment), lanes_of(stream.middle)
-    water = water_of(lanes_of(stream.numbers), RELATIVE, stream.drift[0])
+    work = borrowed(work)
+    commands, works = lanes_of(borrowed(command)), lanes_of(work)
+    middle = lanes_of(stream.middle)
+    water = water_of(lanes_of(stream.numbers), stream.law, stream.drift[0])
     for _ in range(steps):
+        place(models.structure, models.links, states.q, works.frames)
         for lane in range(LANES):
-            t = stream.first[0, lane] * timing.step_s + 0.5 * timing.step_s
-            stream.middle[0, lane] = t
-            piece = segment_at(t, stream.drift[lane])
-            for j in range(len(piece)):
-                stream.segment[j, lane] = piece[j]
+            stream.middle[0, lane] = stream.first[0, lane] * timing.step_s + 0.5 * timing.step_s
+            _choose_segments(lane, models.structure, stream, work)
             stream.first[0, lane] += 1.0
-        drift = (segment[0], segment[1], segment[2], segment[3], segment[4])
-        take_step(middle[0], timing, models, states, commands, (water, drift), ground, works)
+        take_step(middle[0], timing, models, states, commands, water, ground, works)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _choose_segments(lane: int, structure: Structure, stream: _Stream, work: Work) -> None:
+    """Write the segments of the water around one mechanism, as `step.place_in_water`."""
+    grid, frames = (stream.numbers[TOP, lane], stream.numbers[SPACING, lane]), work.frames
+    for i in range(structure.parent.size):
+        if structure.parent[i] == WORLD:
+            t, depth = stream.middle[0, lane], frames.position[i, 2, lane]
+            segment = segment_at(t, depth, stream.law, grid, stream.drift[lane])
+            for j in range(len(segment)):
+                frames.segment[i, j, lane] = segment[j]

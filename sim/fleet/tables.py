@@ -51,7 +51,7 @@ class Motion(NamedTuple):
     gate: Array  # (blocks, 8) [m]
     water: Array  # (blocks, WATER_NUMBERS, 8)
     law: Integers  # (n,)
-    drift: Array  # (n, 2, grid)
+    drift: Array  # (n, rows, grid)
 
 
 class Instruments(NamedTuple):
@@ -119,7 +119,7 @@ class Sizes(NamedTuple):
     command: int  # numbers
     image_slots: int
     command_slots: int
-    grid: int  # of the gusts
+    drift: tuple[int, int]  # rows and grid of the gusts, or of the table
     readings: tuple[int, int, int, int]  # of DVL, depth gauge, AHRS, altimeter
 
     def blocks(self) -> int:
@@ -139,7 +139,7 @@ def empty_tables(sizes: Sizes) -> Tables:
             gate=np.zeros((blocks, LANES)),
             water=np.zeros((blocks, len(WATER_NUMBERS), LANES)),
             law=np.zeros(n, np.int64),
-            drift=np.zeros((n, 2, sizes.grid)),
+            drift=np.zeros((n, *sizes.drift)),
         ),
         _instruments(n, sizes.readings),
         _controllers(n, k),

@@ -11,7 +11,7 @@ from seamark.sim.multibody.assembly import Assembly, Mounting, assemble, vehicle
 from seamark.sim.multibody.loads import contact_force, write_loads
 from seamark.sim.multibody.mechanism import command_for, work_for
 from seamark.sim.multibody.solver import Timing
-from seamark.sim.multibody.step import Command, Model, State, Work, take_step
+from seamark.sim.multibody.step import Command, Model, State, Work, place_in_water, take_step
 from seamark.sim.multibody.tree import WORLD, place
 from seamark.sim.multibody.vectors import Vector, cross, dot, minus, rotate, three
 from seamark.sim.multibody.workpiece import (
@@ -24,7 +24,7 @@ from seamark.sim.multibody.workpiece import (
 from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.uncounted import uncounted
-from seamark.sim.physics.current import RELATIVE, Current, Water, segment_at
+from seamark.sim.physics.current import FORCE, Current, Water
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import Bottom, Mounds
@@ -94,8 +94,8 @@ class ArmedPlant(Plant):
             The current does not move the water but pushes the vehicle, or an arm without a tool
             has a workpiece.
         """
-        if current.water.law != RELATIVE:
-            raise ValueError("a vehicle with an arm needs a current of the relative law")
+        if current.water.law == FORCE:
+            raise ValueError("a vehicle with an arm needs water that moves: not the force law")
         super().__init__(
             vehicle, current, step_s=step_s, fault=fault, thruster_gains=thruster_gains
         )
@@ -270,8 +270,8 @@ def advance_and_measure(
     (first, steps), (water, ground) = span, around
     for done in range(steps):
         t = (first + done) * timing.step_s + 0.5 * timing.step_s
-        segment = segment_at(t, water.drift)
-        take_step(t, timing, model, state, command, (water, segment), ground, work)
+        place_in_water(t, model, state, water, work)
+        take_step(t, timing, model, state, command, water, ground, work)
         if gauges.link[0] != WORLD:
             write_loads(timing, model, state, work, gauges.loads, gauges.link[0])
             _add_wrench(gauges)

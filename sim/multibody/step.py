@@ -27,11 +27,20 @@ from seamark.sim.multibody.tree import (
     write_bias,
     write_mass,
 )
-from seamark.sim.multibody.vectors import cross, dot, plus, rotate, rotate_back, times
+from seamark.sim.multibody.vectors import (
+    cross,
+    dot,
+    plus,
+    put,
+    rotate,
+    rotate_back,
+    three,
+    times,
+)
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.lanes import like, sqrt
 from seamark.sim.numerics.uncounted import uncounted
-from seamark.sim.physics.current import Segment, Water, flow, profile, segment_at
+from seamark.sim.physics.current import Water, at_depth, flow, segment_at, segment_of
 from seamark.sim.physics.terrain import Mounds
 
 
@@ -95,8 +104,21 @@ def advance(
     first, steps = span
     for done in range(steps):
         t = (first + done) * timing.step_s + 0.5 * timing.step_s
-        segment = segment_at(t, water.drift)
-        take_step(t, timing, model, state, command, (water, segment), ground, work)
+        place_in_water(t, model, state, water, work)
+        take_step(t, timing, model, state, command, water, ground, work)
+
+
+@uncounted
+def place_in_water(t: float, model: Model, state: State, water: Water, work: Work) -> None:
+    """Place the links of one mechanism, and choose the segments of the water at time t [s]."""
+    structure, frames = model.structure, work.frames
+    place(structure, model.links, state.q, frames)
+    grid = (water.top, water.spacing)
+    for i in range(structure.parent.size):
+        if structure.parent[i] == WORLD:
+            segment = segment_at(t, frames.position[i, 2], water.law, grid, water.drift)
+            for j in range(len(segment)):
+                frames.segment[i, j] = segment[j]
 
 
 @uncounted
@@ -106,14 +128,16 @@ def take_step(
     model: Model,
     state: State,
     command: Command,
-    water_and_segment: tuple[Water, Segment],
+    water: Water,
     ground: Mounds,
     work: Work,
 ) -> None:
-    """Advance a mechanism, or lanes of them, in place by one step around the time `middle` [s]."""
+    """Advance a mechanism, or lanes of them, in place by one step around the time `middle` [s].
+
+    It has been placed, and the segments of its water have been chosen for that time.
+    """
     structure, frames, step_s = model.structure, work.frames, timing.step_s
-    place(structure, model.links, state.q, frames)
-    _write_streams(middle, structure, water_and_segment, frames)
+    _write_streams(middle, structure, water, frames)
     _write_push(model.thrusters, state.thrust, command.thrust, work.wrench)
     free, before = work.x, work.before
     for j in range(before.size):
@@ -132,19 +156,21 @@ def take_step(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _write_streams(
-    t: float, structure: Structure, water_and_segment: tuple[Water, Segment], frames: Frames
-) -> None:
-    """Write the water of each tree at the depth of its root; see `physics.dynamics`."""
-    water, segment = water_and_segment
-    x, y, rise_x, rise_y, _surge, _sway = flow(t, water, segment)
+def _write_streams(t: float, structure: Structure, water: Water, frames: Frames) -> None:
+    """Write the water of each tree at the depth of its root; see `physics.dynamics`.
+
+    Link 0 is a root. What `flow` returns is the same at all depths.
+    """
+    law = (water.law, water.shear, water.bottom, water.height)
+    flowing = flow(t, water, segment_of(frames.segment, 0))
     for i in range(structure.parent.size):
         if structure.parent[i] != WORLD:
             continue
-        share, slope = profile(frames.position[i, 2], water.shear, water.bottom, water.height)
-        frames.stream[i, 0], frames.stream[i, 1] = share * x, share * y
-        frames.stream[i, 2], frames.stream[i, 3] = share * rise_x, share * rise_y
-        frames.stream[i, 4], frames.stream[i, 5] = slope * x, slope * y
+        segment = segment_of(frames.segment, i)
+        moving = at_depth(t, frames.position[i, 2], flowing, law, segment)
+        put(frames.stream, i, 0, moving[0:3])
+        put(frames.stream, i, 3, moving[3:6])
+        put(frames.stream, i, 6, moving[6:9])
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -179,9 +205,7 @@ def move_freely(step_s: float, structure: Structure, links: Links, v: Array, wor
     for i in range(structure.parent.size):
         if structure.joint[i] == FREE:
             at = structure.speed[i]
-            zero = like(frames.stream[i, 0], 0.0)
-            water = (frames.stream[i, 2], frames.stream[i, 3], zero)
-            rise = rotate_back(frames.rotation, i, water)
+            rise = rotate_back(frames.rotation, i, three(frames.stream, i, 3))
             for a in range(3):
                 v[at + a] += step_s * rise[a]
 

@@ -41,6 +41,7 @@ from seamark.sim.numerics.arrays import Array, Integers
 from seamark.sim.numerics.lanes import like, sqrt
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.numerics.uncounted import uncounted
+from seamark.sim.physics.current import SEGMENT
 from seamark.sim.vehicles import STANDARD_GRAVITY
 
 FREE, REVOLUTE, PRISMATIC = 0, 1, 2
@@ -88,9 +89,8 @@ class Frames(NamedTuple):
     position: Array  # (k, 3) [m] NED
     turned: Array  # (k, 3, 3) rotation to the parent's axes now
     arm: Array  # (k, 3) [m] origin in the parent now
-    stream: (
-        Array  # (k, 6) of a root: water's velocity and acceleration x, y; change with depth x, y
-    )
+    segment: Array  # (k, SEGMENT) of a root, see current.Segment
+    stream: Array  # (k, 9) of a root: water's velocity, acceleration, change with depth; NED
     twist: Array  # (k, 6) relative to the water
     acceleration: Array  # (k, 6) of the twist but for that of the degrees of freedom
     wrench: Array  # (k, 6) that the joint transmits to the link
@@ -111,7 +111,8 @@ def frames_for(links: int, speeds: int, lanes: tuple[int, ...] = ()) -> Frames:
         "position": (k, 3),
         "turned": (k, 3, 3),
         "arm": (k, 3),
-        "stream": (k, 6),
+        "segment": (k, SEGMENT),
+        "stream": (k, 9),
         "twist": (k, 6),
         "acceleration": (k, 6),
         "wrench": (k, 6),
@@ -212,8 +213,7 @@ def place(structure: Structure, links: Links, q: Array, to: Frames) -> None:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _move_root(i: int, first: int, v: Array, to: Frames) -> None:
-    water = (to.stream[i, 0], to.stream[i, 1], like(to.stream[i, 0], 0.0))
-    moving = rotate_back(to.rotation, i, water)
+    moving = rotate_back(to.rotation, i, three(to.stream, i, 0))
     for a in range(3):
         to.twist[i, a] = v[first + a] - moving[a]
         to.twist[i, 3 + a] = v[first + 3 + a]
@@ -227,8 +227,9 @@ def _move_joint(i: int, speed: float, structure: Structure, links: Links, to: Fr
     parent, root = structure.parent[i], structure.root[i]
     if parent == WORLD:
         zero = like(speed, 0.0)
-        linear, rates = (-to.stream[root, 0], -to.stream[root, 1], zero), (zero, zero, zero)
-        pushed, turned = (-to.stream[root, 2], -to.stream[root, 3], zero), (zero, zero, zero)
+        still = (zero, zero, zero)
+        linear, rates = minus(still, three(to.stream, root, 0)), still
+        pushed, turned = minus(still, three(to.stream, root, 3)), still
     else:
         linear, rates = three(to.twist, parent, 0), three(to.twist, parent, 3)
         pushed, turned = three(to.acceleration, parent, 0), three(to.acceleration, parent, 3)
@@ -271,14 +272,12 @@ def _write_own_wrench(i: int, structure: Structure, links: Links, to: Frames) ->
     torque = plus(torque, cross(centre, drag))
     torque = plus(torque, _drag(links, i, 3, rates))
     # Vertical motion through sheared flow: only the added mass feels it, see `physics.dynamics`.
-    zero = like(linear[0], 0.0)
     sinking = dot((to.rotation[i, 2, 0], to.rotation[i, 2, 1], to.rotation[i, 2, 2]), linear)
-    shear = (sinking * to.stream[root, 4], sinking * to.stream[root, 5], zero)
-    sheared = rotate_back(to.rotation, i, shear)
+    sheared = rotate_back(to.rotation, i, times(three(to.stream, root, 6), sinking))
     # Weight and buoyancy along the apparent vertical.
     tilt = -1.0 / STANDARD_GRAVITY
-    apparent = (tilt * to.stream[root, 2], tilt * to.stream[root, 3], like(zero, 1.0))
-    down = rotate_back(to.rotation, i, apparent)
+    rise = times(three(to.stream, root, 3), tilt)
+    down = rotate_back(to.rotation, i, (rise[0], rise[1], rise[2] + 1.0))
     turning = cross(three(links.moment, i, 0), down)
     for a in range(3):
         felt, twisted = _added_times(links, i, a, sheared), _added_times(links, i, 3 + a, sheared)

@@ -46,6 +46,9 @@ class Streams:
     search: np.random.Generator
     route: np.random.Generator
     usbl: np.random.Generator
+    turbulence: np.random.Generator
+    waves: np.random.Generator
+    record: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

@@ -38,6 +38,13 @@ GUST_GRID_S = _number(
     "E",
     "far below the correlation time of a gust",
 )
+TABLE_GRID_S = _number(
+    "grid of a table of currents, linearly interpolated",
+    0.1,
+    "s",
+    "D",
+    "water that moves at 0.5 m/s brings an eddy of a tenth of a metre past in two intervals",
+)
 CURRENT_CHANGE_S = _number(
     "time over which a lasting change of the current builds up",
     2.0,
@@ -105,7 +112,13 @@ MOUND_REACH_M = _number("radius of the mounds", 20.0, "m", "E", "the pool is 24 
 
 GROUPS: Mapping[str, tuple[Quantity, ...]] = {
     "Water and time": (STANDARD_GRAVITY, WATER_DENSITY, STEP_S),
-    "Current": (FORCE_PER_SPEED_SQUARED, GUST_GRID_S, CURRENT_CHANGE_S, MIN_HEIGHT_M),
+    "Current": (
+        FORCE_PER_SPEED_SQUARED,
+        GUST_GRID_S,
+        TABLE_GRID_S,
+        CURRENT_CHANGE_S,
+        MIN_HEIGHT_M,
+    ),
     "Sensors": (
         DVL_RANGE_M,
         DVL_BEAM_RAD,

@@ -11,6 +11,9 @@ force
     The model of the published experiment's simulator: the water rests, and a force acts in the body
     frame: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign and does
     not depend on the azimuth.
+table
+    The water moves as a table has it, for each instant and depth: what `physics.water_motion` makes
+    of a place, a record and waves. There is no sinusoid, no gust and no `Shear`.
 
 Near the bottom the water may be slower (`Shear`): V (h/h0)^n at the height h of the vehicle. The
 level then gives the speed at h0. The whole pattern scales with it, including gusts.
@@ -36,10 +39,18 @@ CHANGE_S = constants.CURRENT_CHANGE_S.scalar
 
 MIN_HEIGHT_M = constants.MIN_HEIGHT_M.scalar
 
-RELATIVE, _FORCE = 0, 1
+TABLE_GRID_S = constants.TABLE_GRID_S.scalar
+
+RELATIVE, FORCE, TABLE = 0, 1, 2
 # Of the drift between two points of its grid: time [s] of the first, speed [m/s] there and its
-# slope, turn [rad] there and its slope.
-Segment = tuple[float, float, float, float, float]
+# slope, turn [rad] there and its slope; then nothing. Of a table's cell: time [s] and depth [m] of
+# its corner, velocity north, east, down [m/s] there, its slope in time [m/s²] and with depth [1/s],
+# and how the latter changes with time [1/s²].
+Segment = tuple[float, ...]
+SEGMENT = 14  # numbers of one
+# Velocity [m/s], acceleration [m/s²] and change with depth [1/s] of the water, each north, east,
+# down; force on the body along surge and sway [N].
+Moving = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +108,27 @@ class Shear:
             raise ValueError(f"height_m must be above {MIN_HEIGHT_M} m, not {self.height_m}")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """The water's velocity on a grid of time and depth, linear between its points.
+
+    Above the first and below the last depth it is that of the first and the last.
+    """
+
+    velocity: Array  # (depths, 3, k) NED [m/s], every TABLE_GRID_S from the level's start on
+    top_m: float  # [m] the first depth
+    spacing_m: float  # [m] between two depths
+
+    def __post_init__(self) -> None:
+        """Refuse what is no table."""
+        if self.velocity.ndim != 3 or self.velocity.shape[1] != 3 or self.velocity.shape[2] < 2:
+            raise ValueError(f"a table cannot have the shape {self.velocity.shape}")
+        if not np.all(np.isfinite(self.velocity)):
+            raise ValueError("a table of currents must have finite numbers alone")
+        if not self.spacing_m > 0.0:
+            raise ValueError(f"spacing_m must be positive, not {self.spacing_m}")
+
+
 class Water(NamedTuple):
     """A current as the compiled code reads it."""
 
@@ -110,10 +142,14 @@ class Water(NamedTuple):
     force: float
     azimuth_phase: float
     speed_phase: float
-    drift: Array  # (2, k) on the grid: gust and lasting changes of speed [m/s], turn [rad]
+    # (2, k) on the grid: gust and lasting changes of speed [m/s], turn [rad]; of a table
+    # (depths x 3, k): velocity north, east, down [m/s]
+    drift: Array
     shear: float = 0.0
     bottom: float = 0.0
     height: float = 1.0
+    top: float = 0.0  # [m] of a table
+    spacing: float = 1.0  # [m]
 
 
 class Current:
@@ -127,6 +163,7 @@ class Current:
         shear: Shear | None = None,
         rng: np.random.Generator | None = None,
         duration_s: float = 120.0,
+        table: Table | None = None,
     ) -> None:
         """Draw the gust of a level.
 
@@ -141,9 +178,15 @@ class Current:
         duration_s : float
             Length of the gust; a longer one begins with the same values. Without gust and changes
             the length is unlimited.
+        table : Table, optional
+            How the water moves, instead of all that; `level` only names it then.
         """
         if not level >= 0.0:
             raise ValueError(f"a current's level must not be negative, not {level}")
+        if table is not None:
+            self.duration_s = TABLE_GRID_S * (table.velocity.shape[2] - 1)
+            self.water = _tabulated(level, table)
+            return
         law = pattern or Pattern()
         if shear is not None and law.law == "force":
             raise ValueError("shear needs the relative law: under the force law the water rests")
@@ -158,7 +201,7 @@ class Current:
             drift[0] += change.speed_share * level * ramp
             drift[1] += change.turn_rad * ramp
         self.water = Water(
-            law=RELATIVE if law.law == "relative" else _FORCE,
+            law=RELATIVE if law.law == "relative" else FORCE,
             level=float(level),
             azimuth=float(law.azimuth_rad),
             azimuth_swing=float(law.azimuth_swing_rad),
@@ -177,12 +220,34 @@ class Current:
     def velocity(self, t_s: float, depth_m: float = 0.0) -> Array:
         """Return the water's velocity at a time and a depth, (3,) NED [m/s].
 
-        It is zero under the force law and independent of the depth without shear.
+        It is zero under the force law and, without a table, independent of the depth without shear.
         """
-        x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water.drift))
-        water = self.water
-        share, _slope = profile(depth_m, water.shear, water.bottom, water.height)
-        return np.array([share * x, share * y, 0.0])
+        x, y, z, *_rest = moving_in(t_s, depth_m, self.water)
+        return np.array([x, y, z])
+
+
+def _tabulated(level: float, table: Table) -> Water:
+    depths, axes, points = table.velocity.shape
+    return Water(
+        law=TABLE,
+        level=float(level),
+        azimuth=0.0,
+        azimuth_swing=0.0,
+        azimuth_rate=0.0,
+        speed_swing=0.0,
+        speed_rate=0.0,
+        force=0.0,
+        azimuth_phase=0.0,
+        speed_phase=0.0,
+        drift=np.array(table.velocity, dtype=np.float64).reshape(depths * axes, points),
+        top=float(table.top_m),
+        spacing=float(table.spacing_m),
+    )
+
+
+def table_points(duration_s: float) -> int:
+    """Return how many instants a table of this length has."""
+    return int(duration_s / TABLE_GRID_S) + 3
 
 
 def grid_points(duration_s: float) -> int:
@@ -216,13 +281,66 @@ def _correlate(values: Array, keep: float, renew: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def segment_at(t: float, drift: Array) -> Segment:
-    """Return the straight piece of the drift at time t [s]; the last one after its end."""
+def segment_at(
+    t: float, depth: float, law: int, grid: tuple[float, float], drift: Array
+) -> Segment:
+    """Return the straight piece of the drift at time t [s]; the last one after its end.
+
+    Of a table it is the cell at this depth [m]; `grid` has its top and its spacing.
+    """
+    if law == TABLE:
+        return _cell_at(t, depth, grid, drift)
     at = min(max(int(t / GUST_GRID_S), 0), drift.shape[1] - 2)
     speed, turn = drift[0, at], drift[1, at]
     slope = (drift[0, at + 1] - speed) / GUST_GRID_S
     turning = (drift[1, at + 1] - turn) / GUST_GRID_S
-    return at * GUST_GRID_S, speed, slope, turn, turning
+    no = 0.0
+    return (at * GUST_GRID_S, speed, slope, turn, turning, no, no, no, no, no, no, no, no, no)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def segment_of(numbers: Array, i: int) -> Segment:
+    """Return the segment in row i of numbers (k, SEGMENT), or of lanes of them."""
+    return (
+        *(numbers[i, 0], numbers[i, 1], numbers[i, 2], numbers[i, 3], numbers[i, 4]),
+        *(numbers[i, 5], numbers[i, 6], numbers[i, 7], numbers[i, 8], numbers[i, 9]),
+        *(numbers[i, 10], numbers[i, 11], numbers[i, 12], numbers[i, 13]),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _cell_at(t: float, depth: float, grid: tuple[float, float], table: Array) -> Segment:
+    at = min(max(int(t / TABLE_GRID_S), 0), table.shape[1] - 2)
+    top, spacing = grid
+    last = table.shape[0] // 3 - 1
+    upper, lower = 0, 0
+    if depth >= top + last * spacing:
+        upper = lower = last
+    elif depth > top:  # not so if the depth is not a number
+        upper = min(int((depth - top) / spacing), last - 1)
+        lower = upper + 1
+    x, x_rate, x_slope, x_change = _corner(table, 3 * upper, 3 * lower, at, spacing)
+    y, y_rate, y_slope, y_change = _corner(table, 3 * upper + 1, 3 * lower + 1, at, spacing)
+    z, z_rate, z_slope, z_change = _corner(table, 3 * upper + 2, 3 * lower + 2, at, spacing)
+    return (
+        at * TABLE_GRID_S,
+        top + upper * spacing,
+        *(x, y, z),
+        *(x_rate, y_rate, z_rate),
+        *(x_slope, y_slope, z_slope),
+        *(x_change, y_change, z_change),
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _corner(
+    table: Array, row: int, below: int, at: int, spacing: float
+) -> tuple[float, float, float, float]:
+    """Return a value of a cell's first corner, and its slopes in time, in depth and in both."""
+    value, later = table[row, at], table[row, at + 1]
+    more, more_later = table[below, at] - value, table[below, at + 1] - later
+    rate, change = (later - value) / TABLE_GRID_S, (more_later - more) / TABLE_GRID_S
+    return value, rate, more / spacing, change / spacing
 
 
 @njit(cache=True, error_model="numpy")
@@ -250,8 +368,12 @@ def flow(
     """Return velocity x, y [m/s], acceleration x, y [m/s²] (NED), body force surge, sway [N].
 
     `segment` is chosen once per integration step, so that the flow is smooth over all its stages.
+    It is that of all depths, which `at_depth` reduces; of a table it is zero.
     """
-    begin, gust, slope, turned, turning = segment
+    if water.law == TABLE:
+        zero = like(water.level, 0.0)
+        return zero, zero, zero, zero, zero, zero
+    begin, gust, slope, turned, turning = segment[0], segment[1], segment[2], segment[3], segment[4]
     since = t - begin
     s, c = sincos(water.speed_rate * t + water.speed_phase)
     speed = water.level + water.speed_swing * s + gust + slope * since
@@ -260,7 +382,7 @@ def flow(
     swing = water.azimuth_swing * s + (turned + turning * since)
     swing_rate = water.azimuth_swing * water.azimuth_rate * c + turning
     zero = like(speed, 0.0)
-    if water.law == _FORCE:
+    if water.law == FORCE:
         lateral = speed * sin(swing)
         return zero, zero, zero, zero, water.force * lateral * lateral, water.force * speed * speed
     s, c = sincos(water.azimuth + swing)
@@ -272,3 +394,55 @@ def flow(
         zero,
         zero,
     )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def at_depth(
+    t: float,
+    depth: float,
+    flowing: tuple[float, float, float, float, float, float],
+    law_and_shear: tuple[int, float, float, float],
+    segment: Segment,
+) -> Moving:
+    """Return how the water moves at a depth [m]; `flowing` is what `flow` returns.
+
+    The numbers of the law are those of `Water`, without its array, since passing a tuple with one
+    costs a reference count per call.
+    """
+    x, y, rise_x, rise_y, surge, sway = flowing
+    law, shear, bottom, height = law_and_shear
+    if law == TABLE:
+        since, below = t - segment[0], depth - segment[1]
+        # Change with depth now; velocity; acceleration.
+        s_x, s_y, s_z = (
+            segment[8] + segment[11] * since,
+            segment[9] + segment[12] * since,
+            segment[10] + segment[13] * since,
+        )
+        return (
+            segment[2] + segment[5] * since + s_x * below,
+            segment[3] + segment[6] * since + s_y * below,
+            segment[4] + segment[7] * since + s_z * below,
+            segment[5] + segment[11] * below,
+            segment[6] + segment[12] * below,
+            segment[7] + segment[13] * below,
+            *(s_x, s_y, s_z),
+            *(surge, sway),
+        )
+    share, slope = profile(depth, shear, bottom, height)
+    zero = like(x, 0.0)
+    return (
+        *(share * x, share * y, zero),
+        *(share * rise_x, share * rise_y, zero),
+        *(slope * x, slope * y, zero),
+        *(surge, sway),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def moving_in(t: float, depth: float, water: Water) -> Moving:
+    """Return how the water moves at time t [s] and a depth [m]."""
+    segment = segment_at(t, depth, water.law, (water.top, water.spacing), water.drift)
+    flowing = flow(t, water, segment)
+    law = (water.law, water.shear, water.bottom, water.height)
+    return at_depth(t, depth, flowing, law, segment)

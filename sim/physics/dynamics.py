@@ -17,7 +17,15 @@ from numba import njit
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.lanes import sqrt
 from seamark.sim.numerics.linear_algebra import inverse
-from seamark.sim.physics.current import Segment, Water, flow, profile, segment_at
+from seamark.sim.physics.current import (
+    Moving,
+    Segment,
+    Water,
+    at_depth,
+    flow,
+    moving_in,
+    segment_at,
+)
 from seamark.sim.physics.hydrodynamics import (
     add_coriolis,
     add_drag,
@@ -101,12 +109,12 @@ def body_parameters(vehicle: Vehicle) -> Body:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _into_body(rotation: Array, x: float, y: float) -> tuple[float, float, float]:
-    """Return a horizontal world vector in body axes."""
+def _into_body(rotation: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a world vector in body axes."""
     return (
-        rotation[0, 0] * x + rotation[1, 0] * y,
-        rotation[0, 1] * x + rotation[1, 1] * y,
-        rotation[0, 2] * x + rotation[1, 2] * y,
+        rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0] * z,
+        rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1] * z,
+        rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2] * z,
     )
 
 
@@ -122,7 +130,7 @@ def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _add_shear_inertia(
-    shear_x: float, shear_y: float, x: Array, added: Array, rotation: Array, wrench: Array
+    shear: tuple[float, float, float], x: Array, added: Array, rotation: Array, wrench: Array
 ) -> None:
     """Add the added-mass force of moving vertically through sheared flow to `wrench`, (6,).
 
@@ -132,7 +140,7 @@ def _add_shear_inertia(
     `shear` is the change of the water's velocity with depth [1/s].
     """
     sinking = rotation[2, 0] * x[7] + rotation[2, 1] * x[8] + rotation[2, 2] * x[9]
-    s0, s1, s2 = _into_body(rotation, sinking * shear_x, sinking * shear_y)
+    s0, s1, s2 = _into_body(rotation, sinking * shear[0], sinking * shear[1], sinking * shear[2])
     for i in range(6):
         wrench[i] += added[i, 0] * s0 + added[i, 1] * s1 + added[i, 2] * s2
 
@@ -153,27 +161,24 @@ def _write_kinematics(x: Array, rotation: Array, out: Array) -> None:
 def _derivative(
     x: Array,
     target: Array,
-    water: tuple[float, float, float, float, float, float],
+    moving: Moving,
     body: Body,
-    depth: tuple[float, float],
     work: Buffers,
     out: Array,
 ) -> None:
-    """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns.
+    """Write the state's rate of change (13 + n,) to `out`.
 
-    `depth` is what `profile` returns. There is no branch for water without shear, since it would
-    double the time of a step; a share of 1 and a slope of 0 change no bit.
+    There is no branch for water without shear and without vertical motion, since it would double
+    the time of a step; zeros change no bit.
     """
     rotation, relative, momentum, wrench = work.rotation, work.relative, work.momentum, work.wrench
-    stream_x, stream_y, rise_x, rise_y, surge, sway = water
+    stream_x, stream_y, stream_z, rise_x, rise_y, rise_z = moving[:6]
+    shear_x, shear_y, shear_z, surge, sway = moving[6:]
     write_rotation(x[3], x[4], x[5], x[6], rotation)
     _write_thrust(body.allocation, x, wrench)
-    share, slope = depth
-    _add_shear_inertia(slope * stream_x, slope * stream_y, x, body.added, rotation, wrench)
-    stream_x, stream_y = share * stream_x, share * stream_y
-    rise_x, rise_y = share * rise_x, share * rise_y
-    c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
-    a0, a1, a2 = _into_body(rotation, rise_x, rise_y)
+    _add_shear_inertia((shear_x, shear_y, shear_z), x, body.added, rotation, wrench)
+    c0, c1, c2 = _into_body(rotation, stream_x, stream_y, stream_z)
+    a0, a1, a2 = _into_body(rotation, rise_x, rise_y, rise_z)
     p, q, r = x[10], x[11], x[12]
     relative[0], relative[1], relative[2] = x[7] - c0, x[8] - c1, x[9] - c2
     relative[3], relative[4], relative[5] = p, q, r
@@ -212,9 +217,7 @@ def write_acceleration(
     It is that of the thrusts in `state`.
     """
     target = state[RIGID:]  # the thrusts do not change
-    depth = profile(state[2], water.shear, water.bottom, water.height)
-    moving = flow(t, water, segment_at(t, water.drift))
-    _derivative(state, target, moving, body, depth, work, work.k1)
+    _derivative(state, target, moving_in(t, state[2], water), body, work, work.k1)
     for i in range(6):
         out[i] = work.k1[7 + i]
 
@@ -251,7 +254,8 @@ def integrate(
         if state[2] > span.gate:
             return done
         t = (span.first + done) * span.step_s
-        segment = segment_at(t + 0.5 * span.step_s, water.drift)
+        middle, grid = t + 0.5 * span.step_s, (water.top, water.spacing)
+        segment = segment_at(middle, state[2], water.law, grid, water.drift)
         runge_kutta_step(state, target, (t, span.step_s), body, (water, segment), work)
     return span.steps
 
@@ -267,24 +271,25 @@ def runge_kutta_step(
 ) -> None:
     """Advance `state`, of one vehicle or of lanes of them, in place by one step from time t [s]."""
     (t, step_s), (water, segment) = t_and_step, water_and_segment
-    shear = (water.shear, water.bottom, water.height)
+    law = (water.law, water.shear, water.bottom, water.height)
     k1, k2, k3, k4, y = work.k1, work.k2, work.k3, work.k4, work.y
     size = state.size
-    halfway = flow(t + 0.5 * step_s, water, segment)
-    depth = profile(state[2], *shear)
-    _derivative(state, target, flow(t, water, segment), body, depth, work, k1)
+    middle, end = t + 0.5 * step_s, t + step_s
+    halfway = flow(middle, water, segment)
+    moving = at_depth(t, state[2], flow(t, water, segment), law, segment)
+    _derivative(state, target, moving, body, work, k1)
     for i in range(size):
         y[i] = state[i] + 0.5 * step_s * k1[i]
-    depth = profile(y[2], *shear)
-    _derivative(y, target, halfway, body, depth, work, k2)
+    moving = at_depth(middle, y[2], halfway, law, segment)
+    _derivative(y, target, moving, body, work, k2)
     for i in range(size):
         y[i] = state[i] + 0.5 * step_s * k2[i]
-    depth = profile(y[2], *shear)
-    _derivative(y, target, halfway, body, depth, work, k3)
+    moving = at_depth(middle, y[2], halfway, law, segment)
+    _derivative(y, target, moving, body, work, k3)
     for i in range(size):
         y[i] = state[i] + step_s * k3[i]
-    depth = profile(y[2], *shear)
-    _derivative(y, target, flow(t + step_s, water, segment), body, depth, work, k4)
+    moving = at_depth(end, y[2], flow(end, water, segment), law, segment)
+    _derivative(y, target, moving, body, work, k4)
     for i in range(size):
         state[i] = state[i] + step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
     _normalise(state)
@@ -330,9 +335,9 @@ def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
 @njit(cache=True, error_model="numpy")
 def write_current(t: float, water: Water, state: Array, out: Array) -> None:
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
-    stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water.drift))
-    share, _slope = profile(state[2], water.shear, water.bottom, water.height)
-    out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0
+    moving = moving_in(t, state[2], water)
+    surge, sway = moving[9], moving[10]
+    out[0], out[1], out[2] = moving[0], moving[1], moving[2]
     if surge > 0.0 or sway > 0.0:
         forward = math.sqrt(surge / water.force)
         starboard = math.sqrt(sway / water.force)

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+from seamark.sim.physics.water_motion import records
 from seamark.sim.recording import opencv
 from seamark.sim.vehicles import own
 
@@ -65,13 +66,15 @@ def manifest(
     more
         Further entries, unchanged.
 
-    A run with a user's own vehicle has that vehicle's file (`vehicle_file`).
+    A run with a user's own vehicle has that vehicle's file (`vehicle_file`), one with a user's own
+    record of currents that record's (`current_file`).
 
     An uploaded program may use BLAS, NumPy's vectorised functions or the C library's mathematics,
     which choose their code by the processor: `same_bits_on_every_cpu` is false for all uploads.
     """
     configuration = config.model_dump(mode="json")
     vehicle = own.file_of(configuration.get(own.SETTING))
+    record = records.file_of(configuration.get(records.SETTING))
     return {
         "format": FORMAT,
         "benchmark": benchmark,
@@ -88,14 +91,15 @@ def manifest(
         "cpu": cpu_class(),
         "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
         **({} if vehicle is None else {"vehicle_file": vehicle._asdict()}),
+        **({} if record is None else {"current_file": record._asdict()}),
     } | more
 
 
 @cache
 def code_sha256() -> str:
-    """Return one SHA-256 over names and contents of the simulator's source files and vehicles."""
+    """Return one SHA-256 over names and contents of the simulator's sources, vehicles, records."""
     root = Path(__file__).parents[1]
-    files = [*root.rglob("*.py"), *root.glob("vehicles/*.toml")]
+    files = [*root.rglob("*.py"), *root.glob("vehicles/*.toml"), *records.SHIPPED.values()]
     total = hashlib.sha256()
     for path in sorted(files, key=lambda path: path.relative_to(root).as_posix()):
         total.update(path.relative_to(root).as_posix().encode() + b"\0")

@@ -4,15 +4,21 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
 import math
-from functools import partial
 
-from seamark.sim.settings.configuration import Configuration
-from seamark.sim.settings.setting import setting
+from seamark.sim.settings.water_motion import NONE, WaterMotionSettings, current_setting
 
-current_setting = partial(setting, group="Current", role="scenario")
+# Of the settings that a place or a record replaces.
+_SINUSOIDS = {"current_place": [NONE], "current_record": [NONE]}
+# Of the settings of water that moves: the value without an effect.
+_STILL = {
+    "current_shear": "0.0",
+    "current_place": NONE,
+    "current_record": NONE,
+    "wave_height_m": "0.0",
+}
 
 
-class CurrentSettings(Configuration):
+class CurrentSettings(WaterMotionSettings):
     """A current whose mean speed is set elsewhere, such as by the level."""
 
     current_law: str = current_setting(
@@ -43,6 +49,7 @@ class CurrentSettings(Configuration):
         high=1.57,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
+        applies=_SINUSOIDS,
     )
     current_swing_period_s: float = current_setting(
         30.0,
@@ -53,6 +60,7 @@ class CurrentSettings(Configuration):
         high=600,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
+        applies=_SINUSOIDS,
     )
     current_wave_m_s: float = current_setting(
         0.005,
@@ -63,6 +71,7 @@ class CurrentSettings(Configuration):
         high=0.5,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
+        applies=_SINUSOIDS,
     )
     current_wave_period_s: float = current_setting(
         4.0,
@@ -73,6 +82,7 @@ class CurrentSettings(Configuration):
         high=600,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
+        applies=_SINUSOIDS,
     )
     current_gust: float = current_setting(
         0.05,
@@ -82,6 +92,7 @@ class CurrentSettings(Configuration):
         high=0.5,
         tag="E",
         source="the original draws 1 % white noise at every call, which depends on the call rate",
+        applies=_SINUSOIDS,
     )
     current_gust_time_s: float = current_setting(
         10.0,
@@ -92,6 +103,7 @@ class CurrentSettings(Configuration):
         high=120,
         tag="E",
         source="several gusts per level",
+        applies=_SINUSOIDS,
     )
     current_shear: float = current_setting(
         0.0,
@@ -103,6 +115,7 @@ class CurrentSettings(Configuration):
         tag="S",
         source="law and 1/7: DNV-RP-C205 (2010) 4.1.4; off in the published experiment",
         advanced=True,
+        applies=_SINUSOIDS,
     )
     current_force_share: float = current_setting(
         0.134,
@@ -117,9 +130,17 @@ class CurrentSettings(Configuration):
 
     def current_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings of the current."""
-        if not self.current_shear or self.current_law != "force":
-            return {}
-        return {
-            "current_shear": "current_shear (Current shear) must be 0 when the current "
-            "acts as a body force: the water itself is at rest."
-        }
+        errors: dict[str, str] = {}
+        if self.current_law == "force":
+            errors |= {
+                name: f"{name} ({type(self).model_fields[name].title}) must be {none} when the "
+                "current acts as a body force: the water itself is at rest."
+                for name, none in _STILL.items()
+                if str(getattr(self, name)) != none
+            }
+        if self.current_shear and self.has_own_profile():
+            errors["current_shear"] = (
+                "current_shear (Current shear) must be 0 with a place or a record: they have a "
+                "profile of their own."
+            )
+        return errors

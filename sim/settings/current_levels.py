@@ -13,7 +13,8 @@ class CurrentLevels(ExperimentSettings, GridSettings, CurrentSettings):
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
-        levels, errors = self.base_levels(), self.current_errors()
+        levels = self.base_levels()
+        errors = self.current_errors() | self.water_motion_errors(level_s=self.level_duration_s)
         if any(b <= a for a, b in pairwise(levels)):
             errors["levels"] = "levels (Current levels) must increase from one to the next."
         return errors | super().cross_field_errors()

@@ -128,14 +128,15 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     @classmethod
     def accepts(cls, name: str, value: object) -> bool:
-        """Return whether a value is the vehicle of a user that this process has read."""
-        return name == own.SETTING and own.is_own(value) and is_known(value)
+        """Return whether a value is also the vehicle of a user that this process has read."""
+        vehicle = name == own.SETTING and own.is_own(value) and is_known(value)
+        return vehicle or super().accepts(name, value)
 
     @classmethod
     def hint(cls, name: str, value: object) -> str:
         """Return where a vehicle's file can be used."""
         if name != own.SETTING or not isinstance(value, str):
-            return ""
+            return super().hint(name, value)
         return OWN_VEHICLE if value.endswith(own.SUFFIX) or own.is_own(value) else ""
 
     @classmethod

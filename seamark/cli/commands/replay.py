@@ -83,7 +83,7 @@ def replay(
 
 
 def _mapping(file: Path | None, benchmark: str, pairs: tuple[str, ...]) -> LogMapping:
-    from seamark.cli.configuration import benchmark_of, read_settings, typed, with_vehicle
+    from seamark.cli.configuration import benchmark_of, read_settings, typed, with_files
     from seamark.mission_logs.mapping import LogMapping
 
     try:
@@ -92,7 +92,7 @@ def _mapping(file: Path | None, benchmark: str, pairs: tuple[str, ...]) -> LogMa
         raise UsageRefused(f"{file} cannot be read: {error}.") from None
     mapping = LogMapping.parse(text)
     name = benchmark or mapping.benchmark or DEFAULT_BENCHMARK
-    changes = typed(with_vehicle(read_settings(None, pairs)), benchmark_of(name).schema())
+    changes = typed(with_files(read_settings(None, pairs)), benchmark_of(name).schema())
     settings = {**mapping.settings, **changes}
     return mapping.model_copy(update={"settings": settings, "benchmark": name})
 

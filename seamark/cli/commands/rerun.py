@@ -53,6 +53,7 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
 
     manifest = archived.manifest
     _add_vehicle(manifest)
+    _add_record(manifest)
     program = _program(archived)
     content = None if program is None else program.content
     parts = _parts(archived)
@@ -94,6 +95,24 @@ def _add_vehicle(manifest: Manifest) -> None:
         raise UsageRefused(
             "The vehicle in the archive is another one than that of its configuration: the "
             "archive was changed."
+        )
+
+
+def _add_record(manifest: Manifest) -> None:
+    """Make the user's own record of currents of a run known here; raises UsageRefused."""
+    from seamark.sim.physics.water_motion import records
+    from seamark.sim.physics.water_motion.record import RecordInvalid
+
+    if manifest.current_file is None:
+        return
+    try:
+        name = records.add(manifest.current_file.text.encode())
+    except RecordInvalid as reason:
+        raise UsageRefused(f"The current in the archive: {reason}") from None
+    if name != manifest.configuration.get(records.SETTING):
+        raise UsageRefused(
+            "The record of currents in the archive is another one than that of its "
+            "configuration: the archive was changed."
         )
 
 

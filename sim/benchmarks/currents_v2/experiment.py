@@ -48,7 +48,8 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         """Return the order of a trial's levels and all that was drawn for it."""
         drawn = self.drawn(config, seed=seed, trial=trial)
         vehicle = {"vehicle_name": config.for_trial(trial).vehicle}
-        return TrialPlan(order=drawn.order, conditions=vehicle | drawn.as_dict())
+        stretches = self.stretches(config, seed=seed, trial=trial)
+        return TrialPlan(order=drawn.order, conditions=vehicle | drawn.as_dict() | stretches)
 
     def tool_m(self, config: CurrentsConfiguration) -> tuple[float, float]:
         """Return where the tool is in the body, forward and starboard [m]."""

@@ -102,7 +102,8 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
             "calibration": asdict(calibration),
             "turbidity": self.turbidity(config, seed=seed, trial=trial),
         }
-        return TrialPlan(order=drawn.order, conditions=conditions)
+        stretches = self.stretches(config, seed=seed, trial=trial)
+        return TrialPlan(order=drawn.order, conditions=conditions | stretches)
 
     def metrics(self, config: Settings, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level."""

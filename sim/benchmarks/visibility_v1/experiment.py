@@ -14,6 +14,7 @@ from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import Level, TrialPlan, TrialScore
+from seamark.sim.engine.level_current import level_current, site_of
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.program import BuiltIn
@@ -29,7 +30,7 @@ from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.tracking import METRICS, failure_value, held_value, level_metrics
 from seamark.sim.numerics.libm import exp
 from seamark.sim.numerics.random_streams import Streams, streams
-from seamark.sim.physics.current import Current, Pattern
+from seamark.sim.physics.current import Pattern
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.trackers import Tracker
 
@@ -129,12 +130,9 @@ def _path(
 
 
 def _conditions(config: VisibilityConfiguration, level: int, random: Streams) -> Conditions:
-    current = Current(
-        config.current_m_s,
-        pattern=Pattern(),
-        rng=random.gust,
-        duration_s=config.level_duration_s,
-    )
+    pattern = Pattern()
+    site = site_of(config, pattern.azimuth_rad)
+    current = level_current(config, site, config.current_m_s, random, pattern=pattern)
     water, reference = (water_at(config, at) for at in (level, 0))
     return Conditions(current=current, water=water, reference=reference)
 

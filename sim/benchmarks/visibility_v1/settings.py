@@ -13,11 +13,12 @@ from seamark.sim.recording.telemetry import NAMES
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, multiple
 from seamark.sim.settings.setting import group_of, override, setting
+from seamark.sim.settings.water_motion import WaterMotionSettings
 
 sweep_setting = partial(setting, group="Sweep", role="scenario")
 motion_setting = partial(setting, group="Motion", role="scenario")
 
-INHERITED = ExperimentSettings.model_fields
+INHERITED, MOVING = ExperimentSettings.model_fields, WaterMotionSettings.model_fields
 _SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
 MAX_LEVELS = 200
 DARKEST_STOPS = 5.5  # read noise of 1.2 grey is then amplified to 54 grey; 64 is the maximum
@@ -34,7 +35,7 @@ STEERING_GROUPS = {
 }
 STEERING_SETTINGS = {
     "vehicle",
-    "current_m_s",
+    *("current_m_s", *WaterMotionSettings.model_fields),
     "physics_step_s",
     "contact",
     "seabed_relief_m",
@@ -65,7 +66,7 @@ SWEEPS = {
 }
 
 
-class VisibilityConfiguration(ExperimentSettings):
+class VisibilityConfiguration(ExperimentSettings, WaterMotionSettings):
     """Settings of visibility-v1. Seed, trials and program are not part of it."""
 
     vehicle: str = override(INHERITED["vehicle"], "girona500", group="Motion")
@@ -185,6 +186,10 @@ class VisibilityConfiguration(ExperimentSettings):
         tag="E",
         source="every vehicle can hold station in it",
     )
+    current_place: str = override(MOVING["current_place"], "none", group="Motion")
+    current_record: str = override(MOVING["current_record"], "none", group="Motion")
+    wave_height_m: float = override(MOVING["wave_height_m"], 0.0, group="Motion")
+    wave_period_s: float = override(MOVING["wave_period_s"], 5.0, group="Motion")
 
     @classmethod
     def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
@@ -194,7 +199,9 @@ class VisibilityConfiguration(ExperimentSettings):
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
-        return self._sweep_errors() | self._path_errors() | super().cross_field_errors()
+        record = self.water_motion_errors(level_s=self.level_duration_s)
+        own = record | self._sweep_errors() | self._path_errors()
+        return own | super().cross_field_errors()
 
     def _sweep_errors(self) -> dict[str, str]:
         errors: dict[str, str] = {}

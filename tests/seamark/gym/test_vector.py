@@ -14,6 +14,7 @@ from seamark.gym.vector import StationKeepingVectorEnv
 
 TRUTH = {"tracker": "truth", "levels": [0.1, 0.6], "level_duration_s": 2.0, "settle_s": 1.0}
 CAMERA = TRUTH | {"tracker": "esm"}
+PLACE = TRUTH | {"current_place": "ria", "wave_height_m": 0.4}
 VEHICLES = 11  # more than one block of lanes, and a part of another one
 
 
@@ -41,8 +42,9 @@ def pair(mode: AutoresetMode, **options: Any) -> tuple[Any, Any]:
             {"benchmark": "currents-v2", "settings": TRUTH, "action": "thrusters"},
         ),
         (AutoresetMode.NEXT_STEP, {"benchmark": "currents-v2", "settings": CAMERA}),
+        (AutoresetMode.NEXT_STEP, {"benchmark": "currents-v2", "settings": PLACE}),
     ],
-    ids=["velocity", "at once", "thrusters", "camera"],
+    ids=["velocity", "at once", "thrusters", "camera", "place"],
 )
 def test_every_bit_is_that_of_single_environments(mode: AutoresetMode, options: Any) -> None:
     ours, theirs = pair(mode, **options)

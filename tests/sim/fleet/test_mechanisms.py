@@ -1,5 +1,7 @@
 """Vehicles with arms that move side by side have the bits of those that move alone."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,11 @@ from seamark.sim.fleet.mechanisms import Mechanisms
 from seamark.sim.multibody.mechanism import command_for, state_for, work_for
 from seamark.sim.multibody.solver import Timing
 from seamark.sim.multibody.step import State, advance
+from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern, Shear
+from seamark.sim.physics.water_motion.places import PLACES
+from seamark.sim.physics.water_motion.tabulation import Motion, Site, current_of
+from seamark.sim.physics.water_motion.waves import Waves
 from tests.sim.multibody.scenes import GROUND, STEP_S, vehicle_with_arm
 
 COUNT, STEPS = 10, 600
@@ -23,6 +29,12 @@ def current(i: int) -> Current:
     )
 
 
+def tabulated(i: int) -> Current:
+    site = Site(bottom_m=GROUND.depth, start_m=GROUND.depth - 3.0, azimuth_rad=i, duration_s=5.0)
+    motion = Motion(place=PLACES["ria"], waves=Waves(0.5, 4.0))
+    return current_of(0.1 + 0.02 * i, motion, site, streams(i, 0, 0))
+
+
 def contents(state: State) -> list[bytes]:
     return [
         *(part.tobytes() for part in state[:3]),
@@ -31,8 +43,10 @@ def contents(state: State) -> list[bytes]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("threads", [1, 2])
-def test_mechanisms_that_touch_different_things_have_the_bits_of_single_ones(threads: int) -> None:
+@pytest.mark.parametrize(("threads", "water_of"), [(1, current), (2, current), (2, tabulated)])
+def test_mechanisms_that_touch_different_things_have_the_bits_of_single_ones(
+    threads: int, water_of: Callable[[int], Current]
+) -> None:
     rng = np.random.Generator(np.random.PCG64(7))
     models, states, touching = [], [], set()
     for i in range(COUNT):
@@ -44,7 +58,7 @@ def test_mechanisms_that_touch_different_things_have_the_bits_of_single_ones(thr
         state.q[2] = GROUND.depth - (0.3 if i % 4 == 1 else 5.0)
         state.v[:] = 0.1 * rng.standard_normal(state.v.size)
         states.append(state)
-    currents = [current(i) for i in range(COUNT)]
+    currents = [water_of(i) for i in range(COUNT)]
     thrust, speed = 5.0 * rng.standard_normal((COUNT, 8)), 0.3 * rng.standard_normal((COUNT, 5))
     fleet = Mechanisms(models, currents, GROUND, TIMING, threads=threads)
     for i, state in enumerate(states):
@@ -72,3 +86,5 @@ def test_mechanisms_of_different_structure_or_water_are_refused() -> None:
         Mechanisms([one, other], [still, still], GROUND, TIMING)
     with pytest.raises(ValueError, match="relative law"):
         Mechanisms([one, one], [still, force], GROUND, TIMING)
+    with pytest.raises(ValueError, match="tables alone"):
+        Mechanisms([one, one], [still, tabulated(0)], GROUND, TIMING)

@@ -17,10 +17,10 @@ from seamark.sim.multibody.mechanism import (
     work_for,
 )
 from seamark.sim.multibody.solver import Timing
-from seamark.sim.multibody.step import State, advance, take_step
+from seamark.sim.multibody.step import State, advance, place_in_water, take_step
 from seamark.sim.multibody.tree import solve, write_bias
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.physics.current import Current, Pattern, Shear, segment_at
+from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.pose import write_pose
@@ -231,15 +231,15 @@ def acceleration(
     model, timing, water = mechanism.model(STEP_S), Timing(STEP_S, 0), current.water
     command, work = command_for(model), work_for(model)
     command.thrust[:] = state.thrust
-    flowing = (water, segment_at(middle_s, water.drift))
     v = state.v.copy()
-    take_step(middle_s, timing, model, state, command, flowing, GROUND, work)
+    place_in_water(middle_s, model, state, water, work)
+    take_step(middle_s, timing, model, state, command, water, GROUND, work)
     # Again without its impulses, of which dividing by the step would leave rounding errors.
     write_bias(model.structure, model.links, v, work.wrench, work.frames)
     found = -work.frames.bias
     solve(model.structure, work.frames, found)
     if mechanism.links[0].joint == "free":
-        found[:3] += work.frames.rotation[0].T @ [*work.frames.stream[0, 2:4], 0.0]
+        found[:3] += work.frames.rotation[0].T @ work.frames.stream[0, 3:6]
     return found
 
 

@@ -176,7 +176,7 @@ def test_a_current_that_pushes_instead_of_flowing_is_refused() -> None:
     pattern = Pattern(law="force", force_share=1.0)
     current = Current(0.1, pattern=pattern, rng=np.random.Generator(np.random.PCG64(0)))
 
-    with pytest.raises(ValueError, match="relative law"):
+    with pytest.raises(ValueError, match="not the force law"):
         ArmedPlant(carrier, [], current, None, step_s=STEP_S)
 
 

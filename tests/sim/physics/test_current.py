@@ -5,7 +5,15 @@ import pytest
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.physics.current import GUST_GRID_S, Change, Current, Pattern, flow, segment_at
+from seamark.sim.physics.current import (
+    GUST_GRID_S,
+    Change,
+    Current,
+    Pattern,
+    Segment,
+    flow,
+    segment_at,
+)
 
 STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)
 
@@ -45,7 +53,7 @@ def test_reported_acceleration_is_the_slope_of_the_velocity(law: str) -> None:
     pattern = Pattern(law="relative" if law == "relative" else "force")
     water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust).water
     t, h = 17.321, 1e-5
-    segment = segment_at(t, water.drift)
+    segment = segment_at(t, 0.0, water.law, (0.0, 1.0), water.drift)
 
     before, after = flow(t - h, water, segment), flow(t + h, water, segment)
     slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
@@ -57,8 +65,11 @@ def test_the_force_law_is_the_published_one() -> None:
     pattern = Pattern(law="force", speed_swing=0.0)
     water = Current(0.4, pattern=pattern).water
 
-    *still, surge, sway = flow(7.5, water, segment_at(7.5, water.drift))
-    *_still, surge_later, _sway = flow(22.5, water, segment_at(22.5, water.drift))
+    def at(t: float) -> Segment:
+        return segment_at(t, 0.0, water.law, (0.0, 1.0), water.drift)
+
+    *still, surge, sway = flow(7.5, water, at(7.5))
+    *_still, surge_later, _sway = flow(22.5, water, at(22.5))
 
     assert still == [0.0, 0.0, 0.0, 0.0]
     assert sway == pytest.approx(410.0 * 0.134 * 0.4**2)
@@ -150,7 +161,7 @@ def test_the_acceleration_is_the_slope_of_the_velocity_during_a_change() -> None
     pattern = Pattern(azimuth_phase_rad=0.3, speed_phase_rad=1.0, changes=changes)
     water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust, duration_s=20.0).water
     t, h = 11.02, 1e-5
-    segment = segment_at(t, water.drift)
+    segment = segment_at(t, 0.0, water.law, (0.0, 1.0), water.drift)
 
     before, after = flow(t - h, water, segment), flow(t + h, water, segment)
     slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
