@@ -18,6 +18,7 @@ TABLES = {
     "multibody": "simulator.multibody",
     "gym": "simulator.gym",
     "start": "simulator.start",
+    "currents": "simulator.currents",
     "growth": "simulator.growth",
     "scaling": "simulator.scaling",
     "static_limits": "simulator.static_limits",
@@ -73,6 +74,7 @@ OTHERS = {
     "demo_recording": "figures.demo_recording",
     "screenshots": "figures.screenshots",
     "synthetic_current": "figures.synthetic_current",
+    "turbulence": "figures.turbulence",
 }
 MODULES = {name: f"performance.{module}" for name, module in (TABLES | OTHERS).items()}
 

@@ -107,10 +107,11 @@ def _made(source: Path, options: dict[str, Any]) -> tuple[Series, Made]:
     from seamark.current_data.tides import predicted, read_constituents
 
     if options["tides"]:
+        begin, hours = _begin(options["begin"]), _hours(options["hours"])
         series = predicted(
             read_constituents(source),
-            begin=_begin(options["begin"]),
-            hours=_hours(options["hours"]),
+            begin=begin,
+            hours=hours,
             latitude_deg=options["latitude"],
             height_m=options["height"],
         )

@@ -1,16 +1,17 @@
 """What is known of currents at kinds of places: profiles and turbulence.
 
 Tags: S sourced, D derived from sourced, E our estimate. Kim and Hong: J. Korean Soc. Fish. Technol.
-50(4) 435 (2014), near the bottom of a coastal trench. Milne: Milne et al., Phil. Trans. R. Soc. A
-371 20120196 (2013), 5 m above the bottom of the Sound of Islay. Soulsby: Dynamics of Marine Sands
-(1997). Uldolmok: J. Korean Soc. Coastal Ocean Eng. 29(6) (2017).
+50(4) 435 (2014), near the bottom of a coastal trench. Thomson: Thomson et al., IEEE J. Oceanic Eng.
+37(3) (2012), tidal channels. TurbSim: NREL's model TIDAL, standard deviations of 4.5, 2.25 and 0.9
+squared friction velocities, to the half, near the bottom. Uldolmok: J. Korean Soc. Coastal Ocean
+Eng. 29(6) (2017).
 The tide itself changes a current by less than 1 % a minute, which is left out.
 """
 
 from dataclasses import dataclass
 
-ACROSS, UPRIGHT = 0.75, 0.56  # S: Milne, of the deviation along the current
-LENGTH_PER_HEIGHT = 2.4  # D: Milne, eddies of 12 m along the current 5 m above the bottom
+ACROSS, UPRIGHT = 0.71, 0.45  # D: TurbSim, of the deviation along the current
+LENGTH_PER_HEIGHT = 2.4  # E: eddies a few times as long as they are high above the bottom
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +33,7 @@ PLACES = {
         floor_m_s=0.02,
         sources={
             "exponent": "E: rougher than a plain bottom",
-            "intensity": "E: eddies behind quays and piles, above the 0.12 of a plain bottom",
+            "intensity": "E: eddies behind quays and piles, above the 0.11 of a plain bottom",
             "floor_m_s": "E: what wind and vessels leave in sheltered water",
         },
     ),
@@ -42,7 +43,7 @@ PLACES = {
         intensity=0.05,
         floor_m_s=0.098,
         sources={
-            "exponent": "S: DNV-RP-C205 (2010) 4.1.4, Soulsby 3.4: tidal current",
+            "exponent": "S: DNV-RP-C205 (2010) 4.1.4: tidal current",
             "intensity": "D: with the floor the 50 % at 0.2 m/s of Kim and Hong, and 12 % at 0.9",
             "floor_m_s": "D: same",
         },
@@ -50,22 +51,22 @@ PLACES = {
     "channel": Place(
         title="Tidal channel",
         exponent=0.1,
-        intensity=0.125,
+        intensity=0.1,
         floor_m_s=0.03,
         sources={
             "exponent": "S: Uldolmok, 1/10.75 on the flood and 1/9.3 on the ebb",
-            "intensity": "S: Milne, 12 to 13 % at 2 m/s",
+            "intensity": "S: Thomson",
             "floor_m_s": "E",
         },
     ),
     "shelf": Place(
         title="Open shelf",
         exponent=1.0 / 7.0,
-        intensity=0.12,
+        intensity=0.11,
         floor_m_s=0.01,
         sources={
-            "exponent": "S: DNV-RP-C205 (2010) 4.1.4, Soulsby 3.4: tidal current",
-            "intensity": "D: 2.4 friction velocities, each 0.05 U for a drag of 0.0025; Soulsby",
+            "exponent": "S: DNV-RP-C205 (2010) 4.1.4: tidal current",
+            "intensity": "D: TurbSim, 2.1 friction velocities, each 0.05 U for a drag of 0.0025",
             "floor_m_s": "E: no wind and vessels near the bottom; waves are a setting of their own",
         },
     ),
