@@ -69,7 +69,9 @@ class InCurrent(Generic[Settings]):
         found = []
         for level, speed in enumerate(config.level_values()):
             here, random = config.for_trial(trial).at(level), streams(seed, trial, level)
-            found.append(level_stretch(here, site_of(here, 0.0), speed, random))
+            target = self.target(config, seed=seed, trial=trial)
+            site = site_of(here, 0.0, target=target)
+            found.append(level_stretch(here, site, speed, random))
         told = [None if stretch is None else stretch._asdict() for stretch in found]
         return {"stretches": told} if any(told) else {}
 
@@ -142,12 +144,13 @@ class InCurrent(Generic[Settings]):
         random = streams(seed, trial, level)
         drawn = self.drawn(config, seed=seed, trial=trial)
         here = self.at(config, seed=seed, trial=trial, level=level)
+        target = self.target(config, seed=seed, trial=trial)
         conditions = Conditions(
-            current=_current(here, level, drawn, random),
+            current=_current(here, level, drawn, random, target),
             water=self.water(here, seed=seed, trial=trial),
             trial=drawn,
             tool_m=self.tool_m(here),
-            target=self.target(config, seed=seed, trial=trial),
+            target=target,
             workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),
             encoder_bias=self.encoder_bias(config, seed=seed, trial=trial),
@@ -172,7 +175,13 @@ class InCurrent(Generic[Settings]):
         return self.camera(config, seed=seed, trial=trial, level=level)
 
 
-def _current(config: CurrentLevels, level: int, drawn: TrialConditions, random: Streams) -> Current:
+def _current(
+    config: CurrentLevels,
+    level: int,
+    drawn: TrialConditions,
+    random: Streams,
+    target: Target | None,
+) -> Current:
     pattern = Pattern(
         azimuth_rad=config.current_azimuth_rad,
         azimuth_swing_rad=config.current_swing_rad,
@@ -187,7 +196,7 @@ def _current(config: CurrentLevels, level: int, drawn: TrialConditions, random: 
     pattern = drawn.current.of(pattern)
     return level_current(
         config,
-        site_of(config, pattern.azimuth_rad),
+        site_of(config, pattern.azimuth_rad, target=target),
         config.level_values()[level],
         random,
         pattern=pattern,

@@ -1,6 +1,6 @@
 """The current of one level, by its settings."""
 
-from seamark.sim.camera.target import start_pose
+from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.engine.world import target_and_optics
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics.current import Current, Pattern, Shear
@@ -68,9 +68,15 @@ def level_stretch(
     return stretch_of(speed, record, site, random.record)
 
 
-def site_of(config: ExperimentSettings, azimuth_rad: float) -> Site:
-    """Return where the vehicle of a level starts, and where the current comes from."""
-    target, optics = target_and_optics(config)
+def site_of(
+    config: ExperimentSettings, azimuth_rad: float, *, target: Target | None = None
+) -> Site:
+    """Return where the vehicle of a level starts, and where the current comes from.
+
+    `target` is used instead of that of the settings.
+    """
+    configured, optics = target_and_optics(config)
+    target = target or configured
     return Site(
         bottom_m=target.seabed_m,
         start_m=float(start_pose(optics, target, config.altitude_m)[2]),

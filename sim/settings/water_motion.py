@@ -43,7 +43,7 @@ class WaterMotionSettings(Configuration):
         0.0,
         title="Significant wave height",
         help="Of surface waves (JONSWAP) that move the water below them and come from where the "
-        "current comes from; 0: none. The bottom is 5 m deep.",
+        "current comes from; 0: none.",
         unit="m",
         low=0,
         high=2,

@@ -65,7 +65,8 @@ class FollowRoute(InCurrent[TrackConfiguration]):
             "boats": [course.boat_m.tolist() for course in courses],
             "start_errors": [list(course.start_error_m) for course in courses],
         }
-        return TrialPlan(order=drawn.order, conditions=told | drawn.as_dict())
+        stretches = self.stretches(config, seed=seed, trial=trial)
+        return TrialPlan(order=drawn.order, conditions=told | drawn.as_dict() | stretches)
 
     def target(self, config: TrackConfiguration, *, seed: int, trial: int) -> Target:
         """Return the weight on the bottom, below the start."""

@@ -30,9 +30,11 @@ from seamark.sim.physics.water_motion.record import STILL_M_S, Record, means
 from seamark.sim.physics.water_motion.turbulence import fluctuation, turbulence_of
 from seamark.sim.physics.water_motion.waves import Waves, orbital_velocity
 
-# The depths of a table: half a metre is less than any of our vehicles.
+# The depths of a table, from the bottom up: half a metre is less than any of our vehicles, and more
+# where a vehicle starts higher above the bottom.
 DEPTHS = 10
-SPACING_M = 0.5  # [m]
+SPACING_M = 0.5  # [m] at least
+ABOVE_M = 2.0  # [m] above the start, to which depths reach at least; E
 ROWS = 3 * DEPTHS
 # S: DNV-RP-C205 (2010) 4.1.4; below the lowest height of a record, and for one of a single height.
 _EXPONENT = 1.0 / 7.0
@@ -63,9 +65,15 @@ class Site:
         """Height of the start above the bottom."""
         return self.bottom_m - self.start_m
 
+    @property
+    def spacing_m(self) -> float:
+        """Distance between two depths of the table."""
+        highest = min(self.height_m + ABOVE_M, self.bottom_m)
+        return max(SPACING_M, highest / (DEPTHS - 1))
+
     def heights(self) -> Array:
         """Return the heights above the bottom of a table's depths, (DEPTHS,) [m]."""
-        return SPACING_M * np.arange(DEPTHS - 1, -1, -1.0)
+        return self.spacing_m * np.arange(DEPTHS - 1, -1, -1.0)
 
 
 class Stretch(NamedTuple):
@@ -96,8 +104,8 @@ def tabulated(level: float, motion: Motion, site: Site, random: Streams) -> Tabl
         orbits = np.zeros_like(velocity)
         orbits[:, ::2] = orbital_velocity(motion.waves, heights, site.bottom_m, random.waves, count)
         velocity += _turned(orbits, site.azimuth_rad)
-    top = site.bottom_m - (DEPTHS - 1) * SPACING_M
-    return Table(velocity=velocity, top_m=top, spacing_m=SPACING_M)
+    top = site.bottom_m - (DEPTHS - 1) * site.spacing_m
+    return Table(velocity=velocity, top_m=top, spacing_m=site.spacing_m)
 
 
 def stretch_of(level: float, record: Record, site: Site, rng: np.random.Generator) -> Stretch:

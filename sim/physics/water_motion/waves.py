@@ -11,8 +11,8 @@ down, with w² = g k tanh(kd). All of them come from one direction. What is left
 current shortens or stretches them, and their drift, which is of second order.
 
 The table has the waves at the start's place. A vehicle that is x metres further along their way
-meets them earlier or later by kx radians: with waves of 4 s in 5 m of water (k = 0.30 rad/m), by
-0.09 rad at 0.3 m.
+meets them earlier or later by kx radians: with waves of 4 s in 5 m of water (k = 0.28 rad/m), by
+0.08 rad at 0.3 m.
 """
 
 from typing import NamedTuple
