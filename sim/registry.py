@@ -50,6 +50,8 @@ CONTROLLERS = {
     "pi-ff": "seamark.sim.control.position.pi_ff:Controller",
     "smc": "seamark.sim.control.position.smc:Controller",
     "lqr": "seamark.sim.control.position.lqr:Controller",
+    "mpc": "seamark.sim.control.position.mpc:Controller",
+    "l1": "seamark.sim.control.position.l1:Controller",
 }
 # Marks on the leaderboard, from the bottom to what thrust alone allows. Nobody can submit them.
 REFERENCE_CONTROLLERS = {

@@ -22,6 +22,7 @@ from pathlib import Path
 
 from tests.sim.camera import test_link_camera
 from tests.sim.camera.bottom import test_bottom
+from tests.sim.control.mpc import test_horizon
 from tests.sim.detectors import test_detectors, test_faces
 from tests.sim.detectors.network import test_network
 from tests.sim.engine import test_arm_bits
@@ -95,6 +96,7 @@ def main() -> None:
             partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_faces.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_network.BITS, OLDEST_PROCESSOR),
+            partial(_run, test_horizon.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
         )

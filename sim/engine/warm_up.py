@@ -10,6 +10,7 @@ from functools import partial
 import cv2
 
 from seamark.sim import detectors, registry, trackers
+from seamark.sim.control.mpc import horizon
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.multibody import hull
 from seamark.sim.numerics.numba_internals import numba_folder
@@ -35,7 +36,7 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     cv2.setNumThreads(1)
     # Large parts first; the registry lists the newest benchmarks first, and the others need less.
     parts = {"plant": plant.warm_up, "contacts": hull.warm_up, "trackers": trackers.warm_up}
-    parts["detectors"] = detectors.warm_up
+    parts |= {"detectors": detectors.warm_up, "horizon": horizon.warm_up}
     parts |= {name: partial(_shortest_trial, name) for name in registry.BENCHMARKS}
     parts["arm"] = partial(_shortest_trial, registry.DEFAULT_BENCHMARK, **WITH_ARM)
     names = list(parts)

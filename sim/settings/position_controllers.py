@@ -36,7 +36,7 @@ class PositionControllerSettings(Configuration):
 
     heading_gain_1_s: float = position_setting(
         1.2,
-        *("pid", "pi-ff", "smc", "lqr", UPLOAD),
+        *("pid", "pi-ff", "smc", "lqr", "mpc", "l1", UPLOAD),
         title="Heading gain",
         help="Yaw rate per radian of heading error.",
         unit="1/s",
@@ -183,6 +183,92 @@ class PositionControllerSettings(Configuration):
         unit="s",
         low=0,
         high=0.5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    mpc_bandwidth: float = position_setting(
+        1.1,
+        "mpc",
+        title="Bandwidth of MPC",
+        help="Multiplied by the lag of the thrusters plus 0.1 s of latency, as for LQG.",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    mpc_horizon_s: float = position_setting(
+        2.0,
+        "mpc",
+        title="Horizon",
+        help="How far ahead the moves are planned.",
+        unit="s",
+        low=0.1,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    mpc_water_m_s2: float = position_setting(
+        0.05,
+        "mpc",
+        title="Change of the water",
+        help="Noise density with which the Kalman filter lets the water accelerate.",
+        unit="m/s²/√Hz",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    mpc_camera_delay_s: float = position_setting(
+        0.05,
+        "mpc",
+        title="Delay of the images",
+        help="Age of an image that the Kalman filter assumes.",
+        unit="s",
+        low=0,
+        high=0.5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    mpc_command_delay_s: float = position_setting(
+        0.0,
+        "mpc",
+        title="Delay of the commands",
+        help="Time that a command is assumed to be on its way.",
+        unit="s",
+        low=0,
+        high=0.5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    l1_bandwidth: float = position_setting(
+        0.7,
+        "l1",
+        title="Bandwidth of L1 control",
+        help="Multiplied by the lag of the thrusters plus 0.1 s of latency, as for LQG.",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    l1_predictor_1_s: float = position_setting(
+        0.5,
+        "l1",
+        title="Rate of the predictor",
+        help="How fast the error of the state predictor decays.",
+        unit="1/s",
+        low=0.01,
+        high=20,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    l1_filter_1_s: float = position_setting(
+        1.0,
+        "l1",
+        title="Bandwidth of the filter",
+        help="Up to which frequency the estimated disturbance is cancelled.",
+        unit="1/s",
+        low=0.01,
+        high=20,
         tag="E",
         source="scan on seeds that no benchmark uses",
     )

@@ -62,6 +62,8 @@ _BENCHMARK = station_keeping_benchmark(
         "pid": Baseline("PID", "pid"),
         "pi-ff": Baseline("PI with feed-forward", "pi-ff"),
         "lqr": Baseline("LQG: Kalman filter and regulator", "lqr"),
+        "l1": Baseline("L1 adaptive", "l1"),
+        "mpc": Baseline("MPC with disturbance observer", "mpc"),
         "oracle": Baseline("Oracle: knows the truth, limited by thrust", "oracle"),
     },
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},

@@ -1,4 +1,4 @@
-"""The controllers that know their vehicle: PI with feed-forward, sliding mode and LQG, and PID."""
+"""The controllers that know their vehicle, from PI with feed-forward to MPC, and PID."""
 
 from itertools import pairwise
 from typing import Any
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from seamark.sim.control.observation import STARTS, Observation, empty
-from seamark.sim.control.position import lqr, pid
+from seamark.sim.control.position import l1, lqr, mpc, pid
+from seamark.sim.control.position.kalman_filter import BIAS, POSITION, VELOCITY, WATER, KalmanFilter
 from seamark.sim.control.position.vehicle_model import DisturbanceObserver, VehicleModel
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine.trial import run_trial
@@ -17,7 +18,7 @@ from seamark.sim.registry import benchmark
 from seamark.sim.vehicles import load
 
 VEHICLES = ("girona500", "bluerov2-heavy")
-MODEL_BASED = ("pi-ff", "smc", "lqr")
+MODEL_BASED = ("pi-ff", "smc", "lqr", "mpc", "l1")
 CONFIG = benchmark("currents-v1").read({}).for_program()
 
 
@@ -105,38 +106,65 @@ def test_the_disturbance_observer_finds_the_force_that_thrust_balances() -> None
 
 
 def test_the_kalman_filter_separates_the_bias_of_the_dvl_from_the_velocity() -> None:
-    found = lqr.KalmanFilter(0.05)
+    found = KalmanFilter(0.05)
     for step in range(2400):
         found.predict([0.0, 0.0], 0.0, 0.05)
-        found.correct((lqr.POSITION,), [-state[lqr.POSITION] for state in found.states], 0.003)
+        found.correct(
+            (POSITION,),
+            [-state[POSITION] for state in found.states],
+            0.003,
+        )
         if step % 4 == 0:
-            innovations = [0.03 - state[lqr.VELOCITY] - state[lqr.BIAS] for state in found.states]
-            found.correct((lqr.VELOCITY, lqr.BIAS), innovations, 0.003)
+            innovations = [0.03 - state[VELOCITY] - state[BIAS] for state in found.states]
+            found.correct((VELOCITY, BIAS), innovations, 0.003)
 
-    assert [state[lqr.BIAS] for state in found.states] == pytest.approx([0.03, 0.03], abs=0.002)
-    assert [state[lqr.VELOCITY] for state in found.states] == pytest.approx([0, 0], abs=0.002)
+    assert [state[BIAS] for state in found.states] == pytest.approx([0.03, 0.03], abs=0.002)
+    assert [state[VELOCITY] for state in found.states] == pytest.approx([0, 0], abs=0.002)
 
 
 def test_the_kalman_filter_turns_its_vectors_with_the_vehicle() -> None:
-    found = lqr.KalmanFilter(0.05)
-    found.states[0][lqr.WATER] = 1.0
+    found = KalmanFilter(0.05)
+    found.states[0][WATER] = 1.0
     for _ in range(1571):
-        found.predict([-state[lqr.WATER] for state in found.states], 0.001, 0.001)
+        found.predict([-state[WATER] for state in found.states], 0.001, 0.001)
 
-    assert [state[lqr.WATER] for state in found.states] == pytest.approx([0.0, -1.0], abs=0.01)
+    assert [state[WATER] for state in found.states] == pytest.approx([0.0, -1.0], abs=0.01)
 
 
 def test_an_old_image_is_compared_with_the_old_position() -> None:
     controller = lqr.Controller(CONFIG | {"lqr_delay_s": 0.1})
     controller.reset({})
-    controller.filter.states[0][lqr.VELOCITY] = 1.0
+    controller.estimator.filter.states[0][VELOCITY] = 1.0
     controller.step(observed(target_visible=0.0, velocity_valid=0.0))
     controller.step(observed(target_visible=0.0, velocity_valid=0.0))
 
     controller.step(observed(error=(-0.05, 0.0, 0.0), velocity_valid=0.0))
 
-    assert controller.past[0][0] == pytest.approx(0.05, rel=0.05)
-    assert controller.filter.states[0][lqr.POSITION] == pytest.approx(0.15, rel=0.05)
+    assert controller.estimator.past[0][0] == pytest.approx(0.05, rel=0.05)
+    assert controller.estimator.filter.states[0][POSITION] == pytest.approx(0.15, rel=0.05)
+
+
+def test_l1_control_finds_the_water_that_thrust_balances_and_the_bias_of_the_dvl() -> None:
+    controller = l1.Controller(CONFIG)
+    for step in range(400):
+        wobble = 1e-6 * (step // 4)  # a new reading every fourth step
+        sensed = observed(thrust=(20.0, 20.0, 0.0, 0.0, 15.0), velocity=(0.02 + wobble, -0.01, 0.0))
+        controller.step(sensed)
+
+    pushes = [controller.model.force[axis] / controller.model.mass[axis] for axis in (0, 1)]
+    assert controller.slow_water == pytest.approx([-push for push in pushes], rel=0.1)
+    assert controller.slow_drift == pytest.approx([-0.02, 0.01], abs=0.002)
+
+
+def test_mpc_leaves_to_the_moment_what_its_thrust_takes() -> None:
+    thrusters = mpc.Thrusters("bluerov2-heavy")
+
+    low, high = thrusters.room([0.0] * 8)
+    turning_low, turning_high = thrusters.room([-20.0, 20.0, -20.0, 20.0, *([0.0] * 4)])
+
+    assert high == pytest.approx([mpc.MARGIN] * 4)
+    assert np.count_nonzero(turning_high < high - 0.1) == 2
+    assert np.count_nonzero(turning_low > low + 0.1) == 2
 
 
 def test_the_integral_of_the_pid_follows_the_limit() -> None:

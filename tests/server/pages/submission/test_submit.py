@@ -89,7 +89,10 @@ def test_a_wrong_number_of_trials_is_refused(site: Site, trials: str) -> None:
 def test_a_form_without_a_controller_names_the_choices(site: Site) -> None:
     answer = site.browser().post(FORM, {"controller": ""})
 
-    assert "Choose a controller: pi, p, pid, pi-ff, smc, lqr, or your own program." in answer.text
+    assert (
+        "Choose a controller: pi, p, pid, pi-ff, smc, lqr, mpc, l1, or your own program."
+        in answer.text
+    )
 
 
 def test_a_comma_in_a_number_is_explained(site: Site) -> None:
