@@ -25,7 +25,7 @@ def test_the_map_of_a_search_plays_with_the_time_line(visitor: Visitor) -> None:
     page = visitor.page
 
     visitor.open(f"/runs/{number}#t=4")
-    search = page.locator("[data-search-map]")
+    search = page.locator("[data-level-map]")
     search.scroll_into_view_if_needed()
 
     expect(search.get_by_role("img", name=re.compile("Map of the search"))).to_be_visible()
@@ -55,7 +55,7 @@ def test_the_maps_of_two_searches_are_beside_each_other(visitor: Visitor) -> Non
 
     visitor.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
 
-    maps = page.locator("[data-search-map]")
+    maps = page.locator("[data-level-map]")
     expect(maps).to_have_count(2)
     for one in maps.all():
         one.scroll_into_view_if_needed()

@@ -18,6 +18,7 @@ from seamark.server.runs.record.solutions import entry_name
 from seamark.server.runs.showing import run_lists
 from seamark.server.runs.showing.compared_curves import compared_curves
 from seamark.server.runs.showing.comparison import reference_entries
+from seamark.server.runs.showing.maps import map_of
 from seamark.server.runs.showing.run_lists import RunFilter
 from seamark.server.runs.showing.side_by_side import (
     COLUMNS_MAX,
@@ -120,6 +121,7 @@ def _choice(run_id: int, title: str, score: float | None, *, state: str = "") ->
 
 def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, Any]:
     columns = [_columns(run) for run in runs]
+    maps = {map_of([column["name"] for column in each]) for each in columns}
     return {
         "api": f"/api/v1/compare?runs={','.join(str(run.id) for run in runs)}",
         "runs": [
@@ -139,7 +141,7 @@ def _page_data(runs: Sequence[RunView], comparison: SideBySide) -> Mapping[str, 
         "charts": _charts(runs),
         "curves": compared_curves(runs),
         "detections": all(map(_has_detections, runs)),
-        "searches": all({"name": "searching"} in names for names in columns),
+        "map": maps.pop() if len(maps) == 1 else None,
         "columns_max": COLUMNS_MAX,
     }
 

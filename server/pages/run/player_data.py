@@ -12,6 +12,7 @@ from seamark.server.pages.run.log_view import (
 )
 from seamark.server.programs import vehicles
 from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.maps import map_of
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web import known_benchmarks
 from seamark.server.web.services import services
@@ -49,6 +50,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "arm": telemetry.has_arm(width),
         "detections": telemetry.has_detections(width),
+        "map": map_of(telemetry.names(width)),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": charts,
         "stages": benchmark.stage_labels,

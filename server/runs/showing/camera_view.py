@@ -28,7 +28,13 @@ from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
-from seamark.sim.recording.telemetry import INDEX, SEARCH_INDEX, has_detections, has_search
+from seamark.sim.recording.telemetry import (
+    INDEX,
+    SEARCH_INDEX,
+    has_detections,
+    has_route,
+    has_search,
+)
 from seamark.sim.settings.search import LONGEST_PERIOD_S, TARGET_LABEL
 
 if TYPE_CHECKING:
@@ -196,9 +202,10 @@ def _with_last_answer(files: RunFiles, row: Row, at: int) -> Row:
 def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     """Draw the image centre, the tracked outline and, thin on top, the true outline.
 
-    Of a row with detections, draw these instead; of one of a search, also the answer.
+    Of a row with detections, draw these instead; of one of a search, also the answer. Where a route
+    is followed, nobody looks at a target.
     """
-    if not (drawn.tracked or drawn.truth):
+    if not (drawn.tracked or drawn.truth) or has_route(len(row)):
         return image
     if has_detections(len(row)):
         return _with_detections(image, row, drawn)

@@ -15,6 +15,7 @@ from seamark.formats.jpeg import jpeg
 from seamark.server.programs import vehicles
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.showing import camera_view
+from seamark.server.runs.showing.routes import route_of
 from seamark.server.runs.showing.searches import search_of
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
@@ -60,7 +61,8 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
 
     The vehicle is null if the camera moves alone, or if it was the user's own and is deleted. The
     target is null above a painted bottom, which is another one in each level, if nothing but what
-    is painted there is looked for. Where an arm's work has to be found first, `search` says how.
+    is painted there is looked for. Where an arm's work has to be found first, `search` says how;
+    where a route is followed, `route` is it.
     """
     config: Any = registry.benchmark(run.benchmark).restore(run.config)
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
@@ -74,6 +76,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
         known = load(str(name)) if is_known(name) else None
         shape = None if known is None else vehicle_shape(known, config.chosen_arm())
         search = search_of(settings, run, target, optics, trial=trial, level=level)
+        route = route_of(settings, run, trial=trial, level=level)
     return {
         "vehicle": shape,
         "target": None
@@ -100,6 +103,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
         },
         **({} if work is None else {"workpiece": work_shape(work)}),
         **({} if search is None else {"search": search}),
+        **({} if route is None else {"route": route}),
     }
 
 

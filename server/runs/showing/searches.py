@@ -6,7 +6,7 @@ As the scene of the level has it; where things are meanwhile, the telemetry says
 import math
 from typing import TYPE_CHECKING, Any
 
-from seamark.server.runs.record.seeds import trial_seeds
+from seamark.server.runs.showing.conditions import conditions_of
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -32,13 +32,10 @@ def search_of(
     `error` is how far the position may be from the true one, `mark` how near to the start the box
     must be brought. None where nothing has to be found.
     """
-    benchmark = registry.benchmark(run.benchmark)
-    config: Any = benchmark.restore(run.config)
+    config: Any = registry.benchmark(run.benchmark).restore(run.config)
     if not isinstance(config, SearchSettings):
         return None
-    seed = trial_seeds(run, settings)(trial)
-    plan = benchmark.load().plan(config, seed=seed, trial=trial)
-    drawn = plan.conditions["work"]["searches"][level]
+    drawn = conditions_of(settings, run, trial=trial)["work"]["searches"][level]
     # The camera is off the box by what is drawn, the vehicle's origin behind it by its mount.
     heading = target.heading_rad + drawn["heading_rad"]
     forward, starboard, _down = optics.mount_m

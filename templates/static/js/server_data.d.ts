@@ -180,12 +180,21 @@ export interface SearchData {
   mark: number;
 }
 
+/** A route to follow, north, east, down: the boat with the transceiver, how far off the told start is and may be. */
+export interface RouteData {
+  points: Triple[];
+  boat: Triple;
+  told_error: [number, number];
+  error: number;
+}
+
 /** scene.json: north, east, down; [m], [rad] */
 export interface SceneData {
   vehicle: VehicleShape | null;
   target: TargetShape | null; // null above a bottom on which many things lie
   workpiece?: WorkShape; // instead of the target
   search?: SearchData; // of a workpiece that has to be found first
+  route?: RouteData; // that the vehicle follows
   seabed: { depth: number; tile: number; painted?: boolean }; // painted: another one in each level
   camera: Optics;
   water: WaterData;

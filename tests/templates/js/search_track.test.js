@@ -2,7 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { MapScale } from "../../../templates/static/js/player/map_scale.js";
-import { footprint, levelAround, phaseOf, wayUntil } from "../../../templates/static/js/player/search_track.js";
+import { levelAround, wayUntil } from "../../../templates/static/js/player/places.js";
+import { footprint, phaseOf } from "../../../templates/static/js/player/search_track.js";
 
 /** @type {any} */
 const SCENE = {

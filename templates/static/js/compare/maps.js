@@ -1,11 +1,10 @@
-// The map of each run's search at the time of the playhead.
+// The map of each run's level at the time of the playhead.
 /**
  * @import { CompareData, ComparedSeries, Moments, SceneData } from "../server_data.d.ts"
  * @import { Playhead } from "../player/playhead.js"
  * @import { Part } from "./cameras.js"
  */
-import { maybe } from "../dom.js";
-import { SearchMap } from "../player/search_map.js";
+import { mapIn } from "../player/level_map.js";
 
 export class ComparedMaps {
   /**
@@ -14,11 +13,11 @@ export class ComparedMaps {
    */
   constructor(data, playhead) {
     this.playhead = playhead;
-    /** @type {{map: SearchMap | null, part: Part | null}[]} */
-    this.runs = data.runs.map(({ id, api }) => {
-      const box = maybe(document, `[data-search-map="map-${id}"]`, HTMLElement);
-      return { map: box && new SearchMap(box, { api, scene: sceneFrom(api) }), part: null };
-    });
+    /** @type {{map: ReturnType<typeof mapIn>, part: Part | null}[]} */
+    this.runs = data.runs.map(({ id, api }) => ({
+      map: mapIn(document, `run-${id}`, { api, scene: sceneFrom(api) }),
+      part: null,
+    }));
     playhead.listen(() => this.show());
   }
 

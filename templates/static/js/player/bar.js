@@ -102,6 +102,7 @@ export class Bar {
   /** @param {HTMLSelectElement} select */
   async jump(select) {
     const wanted = select.value;
+    const never = select.selectedOptions[0]?.dataset.never ?? NEVER[wanted];
     select.value = "";
     const { t } = this.playhead;
     const length = this.levelLength;
@@ -124,7 +125,7 @@ export class Bar {
       };
       const target = targets[wanted];
       if (target !== undefined) this.playhead.seek(target);
-      else this.tell(NEVER[wanted]);
+      else this.tell(never);
     }
   }
 

@@ -1,5 +1,5 @@
 // From metres north and east to pixels of a map that has north up. No page is needed for it.
-/** @import { Place } from "./search_track.js" */
+/** @import { Place } from "./places.js" */
 
 const MARGIN_M = 0.4; // around what is to be seen
 const STEPS_M = [0.5, 1, 2, 5, 10, 20, 50];

@@ -14,6 +14,17 @@ function detector({ searching, confidence }) {
   return searching === 1 ? "looks for the box" : number(100 * Number(confidence), 0, "% sure");
 }
 
+/** @param {Row} row */
+export function along({ route_along: done, route_length: length }) {
+  return `${number(done, 1, "m")} of ${number(length, 1, "m")}`;
+}
+
+/** @param {Row} row */
+export function fix({ fix_age: age, fix_sigma: sigma }) {
+  if (typeof age !== "number") return "none yet";
+  return `${number(age, 1, "s")} old, ± ${number(sigma, 2, "m")}`;
+}
+
 /**
  * Label, a column that it needs, text.
  * @type {[string, string, (row: Row) => string][]}
@@ -25,6 +36,9 @@ const SHOWN = [
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
   ["Tracker", "tracker_ok", tracker],
   ["Detector", "searching", detector],
+  ["Off the route", "cross_track", (row) => number(row.cross_track, 2, "m")],
+  ["Along the route", "route_along", along],
+  ["Acoustic fix", "fix_age", fix],
   ["Current", "current_x", (row) => current(row.current_x, row.current_y)],
   ["Depth", "z", (row) => number(row.z, 2, "m")],
   ["Heading", "yaw", (row) => heading(row.yaw)],

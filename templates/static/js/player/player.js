@@ -7,6 +7,7 @@ import { ChartTable } from "./chart_table.js";
 import { Charts } from "./charts.js";
 import { FullScreen } from "./full_screen.js";
 import { Layout } from "./layout.js";
+import { mapIn } from "./level_map.js";
 import { Marks } from "./marks.js";
 import { Memory } from "./memory.js";
 import { Menu } from "./menu.js";
@@ -15,7 +16,6 @@ import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
 import { Rows, rowColumns } from "./rows.js";
 import { SceneBox } from "./scene_box.js";
-import { SearchMap } from "./search_map.js";
 import { StageStrip } from "./stage_strip.js";
 
 const TABLE_MS = 250;
@@ -48,9 +48,8 @@ export class Player {
       : null;
     this.numbers = new Numbers(need(root, "[data-numbers]", HTMLElement), data.columns, stage);
     this.scene = new SceneBox(need(root, "[data-scene]", HTMLElement), { api: data.api }, this.memory);
-    const mapBox = maybe(root, "[data-search-map]", HTMLElement);
     const scene = (/** @type {number} */ trial, /** @type {number} */ level) => this.scene.sceneOf(trial, level);
-    this.map = mapBox && new SearchMap(mapBox, { api: data.api, scene });
+    this.map = mapIn(root, "run", { api: data.api, scene });
     const strip = maybe(root, "[data-stages]", HTMLElement);
     const onSeek = (/** @type {number} */ t) => this.playhead.seek(t);
     this.marks = new Marks(need(root, "[data-marks]", HTMLElement), need(root, "[data-mark-legend]", HTMLElement), {

@@ -1,6 +1,7 @@
 // Whole rows of telemetry around the playhead, from the series API in windows that are as long as
 // the replay is fast: whatever the speed, a second of watching costs about twenty rows.
 /** @import { Between, Row, SeriesAnswer } from "../server_data.d.ts" */
+import { ROUTE_COLUMNS } from "./route_track.js";
 import { lastUntil } from "./samples.js";
 
 export const WINDOW_ROWS = 401;
@@ -11,6 +12,7 @@ export const SAME_S = 1e-4; // times of rows are rounded
 const ALWAYS = [
   ...["level", "x", "y", "z", "roll", "pitch", "yaw", "current_x", "current_y", "current_z"],
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
+  ...ROUTE_COLUMNS,
 ];
 const NUMBERED = /^(thrust|joint|touch)_\d+$|^(wrist|work)_f[xyz]$/; // of thrusters and an arm
 const WORK = /^workpiece_(x|y|z|roll|pitch|yaw|joint)$|^tool_[xyz]$|^reach$|^work_(arm|push)_n$/;

@@ -8,7 +8,7 @@
 import { all, maybe, need } from "../dom.js";
 import { paced } from "./paced.js";
 
-const MODES = ["all", "follow", "target", "top", "camera", "free"];
+const MODES = ["all", "follow", "target", "route", "top", "camera", "free"];
 const WATER_MAX = 40; // scenes of levels kept
 
 /** @typedef {{instant: Between, trail: () => Row[]}} Shown what a scene shows of a run, and the rows before */
@@ -44,8 +44,10 @@ export class SceneBox {
     this.writePose = paced(() => this.showPose());
     this.radios = all(box, 'input[name="view"]', HTMLInputElement);
     this.fog = maybe(box, "[data-fog]", HTMLInputElement);
-    const mode = memory.get("view", "follow");
-    this.mode = MODES.includes(mode) ? mode : "follow";
+    // A route is more than what is around the vehicle.
+    const first = this.radios.some(({ value }) => value === "route") ? "route" : "follow";
+    const mode = memory.get("view", first);
+    this.mode = MODES.includes(mode) ? mode : first;
     for (const radio of this.radios) {
       radio.checked = radio.value === this.mode;
       radio.addEventListener("change", () => this.setMode(radio.value));
@@ -193,6 +195,7 @@ export class SceneBox {
     const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.workpiece, scene.seabed, bottom]);
     if (solid === this.solid) {
       view.setWater(scene.water, scene.light);
+      view.setRoute(scene.route);
       return;
     }
     const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, queryOf(trial, 0))));

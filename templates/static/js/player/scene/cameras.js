@@ -1,6 +1,6 @@
-// How one looks at the scene: around the vehicle, around the target, from above, through the vehicle's camera, from
-// so far away that all vehicles are in the picture, or flying freely. Mouse and touch by OrbitControls; the keys
-// below move the view without either.
+// How one looks at the scene: around the vehicle, around the target, at a whole route, from above, through the
+// vehicle's camera, from so far away that all vehicles are in the picture, or flying freely. Mouse and touch by
+// OrbitControls; the keys below move the view without either.
 /**
  * @import { Object3D } from "three"
  * @import { Optics, SceneData, Triple, VehicleShape } from "../../server_data.d.ts"
@@ -19,6 +19,7 @@ const FLY_STEP_S = 0.12; // of flight for a key that is only touched
  */
 const FLY = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0] };
 const FIELD_OF_VIEW = 48; // [degree] vertical
+const ABOVE_ROUTE = new Vector3(0.5, 1, 0.75); // whence one first looks at a route, y up
 const FRAME_M = 0.8; // around the vehicles that are all in the picture
 /** @type {(place: Vector3) => Vector3} */
 const TO_SCREEN = (v) => new Vector3(v.y, -v.z, -v.x);
@@ -55,6 +56,8 @@ export class Cameras {
     this.optics = null;
     this.target = new Vector3();
     this.described = false;
+    /** @type {Vector3[]} points of a route that is followed */
+    this.route = [];
     canvas.addEventListener("keydown", (event) => this.onKey(event));
     canvas.addEventListener("keyup", (event) => this.flying.delete(event.key.toLowerCase()));
     canvas.addEventListener("blur", () => this.flying.clear());
@@ -68,6 +71,15 @@ export class Cameras {
     const length = Math.max(...(vehicles[0].shape?.hull ?? []).map(({ size }) => size[0]), 0);
     this.near = length > 1 ? 1 : 0.62; // a small vehicle is looked at from nearby
     if (!this.placed) this.setMode(this.mode);
+  }
+
+  /**
+   * Brings another route into the picture, seen from where one looked at the last one.
+   * @param {Triple[]} points
+   */
+  setRoute(points) {
+    this.route = points.map((point) => new Vector3(...point));
+    if (this.mode === "route" && this.route.length) this.frameAll(this.route.map(TO_SCREEN));
   }
 
   /**
@@ -100,12 +112,20 @@ export class Cameras {
   }
 
   /**
-   * Moves back or closer, without turning, until the target and vehicles at these positions are in the picture.
+   * Brings the target and vehicles at these positions into the picture.
    * @param {Vector3[]} positions
    */
   frame(positions) {
     const points = positions.map(TO_SCREEN);
     if (this.described) points.push(this.target);
+    this.frameAll(points);
+  }
+
+  /**
+   * Moves back or closer, without turning, until all points are in the picture.
+   * @param {Vector3[]} points in the frame of the screen
+   */
+  frameAll(points) {
     const low = points.reduce((corner, point) => corner.clone().min(point));
     const high = points.reduce((corner, point) => corner.clone().max(point));
     const centre = low.add(high).multiplyScalar(0.5);
@@ -135,7 +155,7 @@ export class Cameras {
       enabled: mode !== "camera",
       enableZoom: mode !== "all",
       minDistance: free ? 0.2 : 0.6,
-      maxDistance: free || mode === "all" ? 60 : 25,
+      maxDistance: free || mode === "all" || mode === "route" ? 60 : 25,
       maxPolarAngle: Math.PI * (free ? 0.95 : 0.55),
     });
     // OrbitControls takes every touch; otherwise one finger up or down scrolls the page.
@@ -153,6 +173,9 @@ export class Cameras {
     this.controls.target.copy(centre);
     if (mode === "follow") this.controls.target.y -= 0.8; // towards the target
     this.camera.position.copy(centre).add(offset);
+    if (mode !== "route" || !this.route.length) return;
+    this.camera.position.copy(centre).add(ABOVE_ROUTE);
+    this.frameAll(this.route.map(TO_SCREEN));
   }
 
   /**

@@ -2,7 +2,8 @@
 // (north, east, down); outside of it, y is up. It draws only when something has changed.
 /**
  * @import { Camera } from "three"
- * @import { LightData, Row, SceneData, Triple, VehicleShape, WaterData, WorkShape } from "../../server_data.d.ts"
+ * @import { LightData, RouteData, Row, SceneData, Triple } from "../../server_data.d.ts"
+ * @import { VehicleShape, WaterData, WorkShape } from "../../server_data.d.ts"
  * @import { SceneMoment } from "./actor.js"
  * @import { Aim } from "./sight.js"
  * @import { ForceArrow } from "./solids.js"
@@ -11,6 +12,7 @@
 import * as THREE from "../../../vendor/three/three.min.js";
 import { Actor } from "./actor.js";
 import { Cameras } from "./cameras.js";
+import { Course } from "./course.js";
 import { Label } from "./label.js";
 import { LampCone } from "./lamp.js";
 import { Pace } from "./pace.js";
@@ -74,7 +76,8 @@ export class SceneView {
     this.cameras = new Cameras(this.canvas, () => this.request());
     this.current = new CurrentArrow();
     this.sight = new Sight();
-    this.pointers = { station: new Pointer(box, "station"), vehicle: new Pointer(box, "vehicle") };
+    const [station, vehicle, boat] = ["station", "vehicle", "boat"].map((name) => new Pointer(box, name));
+    this.pointers = { station, vehicle, boat };
     this.labels = { wrist: new Label(box, "wrist"), push: new Label(box, "push") };
     this.outside = new THREE.Group(); // what is not to be seen from on board
     /** @type {Actor[]} */
@@ -93,6 +96,8 @@ export class SceneView {
     this.shadow = null;
     /** @type {LampCone | null} */
     this.lamp = null;
+    /** @type {Course | null} */
+    this.course = null;
     this.clearance = 0; // of the current's arrow above the vehicle [m]
     this.requested = false;
     this.watched = true; // by somebody, or by a recorder
@@ -135,7 +140,7 @@ export class SceneView {
       const options = { ...letters, ready, water: this.water, colour, ghost: index > 0 };
       return work ? new Work(work, options) : null;
     });
-    this.aim = description.target && aimAt(description.target);
+    this.aim = description.route || !description.target ? null : aimAt(description.target);
     this.particles = new Particles(depth, this.water);
     const { vehicle } = this.actors[0];
     this.shadow = new Shadow(vehicle.hull, depth, SUN, this.water);
@@ -155,6 +160,7 @@ export class SceneView {
     this.outside.add(this.shadow.mesh, this.current.group, this.sight.group);
     if (this.works[0]) this.outside.add(this.works[0].contact.group);
     this.cameras.describe(description);
+    this.setRoute(description.route);
     if (this.last) this.show(this.last, 0);
     else this.request();
   }
@@ -168,6 +174,26 @@ export class SceneView {
     if (this.description) Object.assign(this.description, { water, light });
     this.water.set(water, light);
     this.request();
+  }
+
+  /**
+   * The route of a level, if one is followed.
+   * @param {RouteData | undefined} route
+   */
+  setRoute(route) {
+    const { description, course } = this;
+    if (course) {
+      this.world.remove(course.group);
+      this.outside.remove(course.outside);
+    }
+    if (!description) return;
+    this.course = route ? new Course(route, description.seabed.depth) : null;
+    description.route = route;
+    this.cameras.setRoute(route ? route.points : []);
+    if (!this.course) return;
+    this.world.add(this.course.group);
+    this.outside.add(this.course.outside);
+    if (this.last) this.show(this.last, 0);
   }
 
   /**
@@ -220,6 +246,7 @@ export class SceneView {
     this.particles?.show(current, position, seconds);
     group.updateMatrix();
     this.sight.show(group, description, this.aim);
+    this.course?.show(position, row);
     this.shadow?.show(group);
     this.lamp?.show(group);
     this.water.lookFrom(group, description.camera.mount, TO_SCREEN);
@@ -297,12 +324,12 @@ export class SceneView {
   }
 
   /**
-   * Arrows to what is out of sight: the station, and the vehicle if one looks elsewhere.
+   * Arrows to what is out of sight: station or boat, and the vehicle if one looks elsewhere.
    * @param {Vehicle} followed
    * @param {Camera} camera
    */
   point(followed, camera) {
-    const { station, vehicle } = this.pointers;
+    const { station, vehicle, boat } = this.pointers;
     /** @type {(place: Triple) => THREE.Vector3} */
     const place = ([x, y, z]) => new THREE.Vector3(x, y, z).applyMatrix4(TO_SCREEN);
     const row = this.last?.[0]?.row;
@@ -311,6 +338,11 @@ export class SceneView {
     station.name = this.works[0] ? "workpiece" : "station";
     if (this.aim) station.show(camera, place(this.aim.centre), away);
     else station.hide();
+    const route = this.description?.route;
+    if (route) {
+      const off = followed.group.position.distanceTo(new THREE.Vector3(...route.boat));
+      boat.show(camera, place(route.boat), `${off.toFixed(0)} m`);
+    } else boat.hide();
     if (this.cameras.mode === "camera") vehicle.hide();
     else vehicle.show(camera, place(followed.group.position.toArray()), "");
   }
