@@ -1,7 +1,7 @@
 """Redraw the pictures of the benchmark pages: `./run performance benchmark_pictures [FOLDER]`.
 
 Each is what the vehicle's camera sees at a level of the benchmark, a little off the station or over
-an arm at work, with the true outline of the target.
+an arm at work, with the true outline of the target; where a route is followed, its plan.
 """
 
 from collections.abc import Sequence
@@ -10,12 +10,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from performance.figures.route_plan import followed
 from seamark import templates
 from seamark.sim import registry
 from seamark.sim.camera import start_pose
 from seamark.sim.engine.replay import CameraFrame, Image, Replay
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import Rows, answers_of, detections
+from seamark.sim.settings.route import RouteSettings
 
 FOLDER = Path(templates.__file__).parent / "static" / "benchmarks"
 QUALITY = 84
@@ -38,6 +40,8 @@ def picture(name: str) -> Image:
     """Return the picture of a benchmark, (H, W, 3)."""
     if registry.benchmark(name).role == "detector":
         return recognised(name)
+    if isinstance(registry.benchmark(name).read({}), RouteSettings):
+        return followed(name, SEED)
     frame = at_work(name, AT_WORK_S[name]) if name in AT_WORK_S else off_station(name)
     image = frame.colour()
     corners = np.round(16.0 * frame.corners()).astype(np.int32)

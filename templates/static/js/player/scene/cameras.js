@@ -63,10 +63,10 @@ export class Cameras {
     canvas.addEventListener("blur", () => this.flying.clear());
   }
 
-  /** @param {Pick<SceneData, "target" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description */
-  describe({ target, camera, vehicles }) {
+  /** @param {Pick<SceneData, "target" | "route" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description */
+  describe({ target, route, camera, vehicles }) {
     if (target) this.target = TO_SCREEN(new Vector3(...target.centre));
-    this.described = target !== null;
+    this.described = target !== null && !route; // nobody looks at what lies below a route
     this.optics = camera;
     const length = Math.max(...(vehicles[0].shape?.hull ?? []).map(({ size }) => size[0]), 0);
     this.near = length > 1 ? 1 : 0.62; // a small vehicle is looked at from nearby
