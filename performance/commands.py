@@ -57,6 +57,7 @@ OTHERS = {
     "adversaries": "statistics.adversaries",
     "population": "statistics.population",
     "coverage": "statistics.coverage",
+    "identification_coverage": "statistics.identification.coverage",
     "selection": "statistics.selection",
     "reference_results": "statistics.reference_results",
     "fake_machines": "service.queue.fake_machines",

@@ -22,7 +22,7 @@ _UNIT_TOLERANCE = 1e-2  # of the norm of a quaternion
 _WORLD = (("x", "y", "z"), ("current_x", "current_y", "current_z"))
 _TO_PORT_AND_UP = (  # in a body frame of ENU these have the other sign
     *("v", "w", "q", "r", "pitch", "ref_v", "ref_w", "ref_r", "dvl_v", "dvl_w"),
-    *("error_y", "error_z"),
+    *("error_y", "error_z", "force_y", "force_z", "moment_y", "moment_z"),
 )
 
 

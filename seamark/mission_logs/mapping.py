@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, field_validator, mo
 
 from seamark.mission_logs.result import LogRefused
 from seamark.sim.recording import telemetry
+from seamark.sim.vehicles.reading import THRUSTERS_MAX
 
 TEXT_MAX = 16 * 1024  # [character] of a document
 NAME_MAX = 200  # [character] of a column, a topic or a field
@@ -29,9 +30,17 @@ UNITS: Mapping[str, tuple[str, float]] = {
     **{"s": ("s", 1.0), "ms": ("s", 1e-3), "us": ("s", 1e-6), "ns": ("s", 1e-9)},
     **{"m/s": ("m/s", 1.0), "cm/s": ("m/s", 1e-2), "kn": ("m/s", 1852.0 / 3600.0)},
     **{"rad/s": ("rad/s", 1.0), "deg/s": ("rad/s", 0.017453292519943295)},
-    **{"px": ("px", 1.0), "N": ("N", 1.0)},
+    **{"px": ("px", 1.0), "N": ("N", 1.0), "N m": ("N m", 1.0)},
 }
-_EXTRA_UNITS = dict.fromkeys(QUATERNION, "") | dict.fromkeys(TRUE_CORNERS, "px")
+WRENCH: tuple[str, ...] = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
+_EXTRA_UNITS = {  # what is no column of the telemetry, or not of every vehicle
+    **dict.fromkeys(QUATERNION, ""),
+    **dict.fromkeys(TRUE_CORNERS, "px"),
+    **dict.fromkeys(telemetry.thrust_names(THRUSTERS_MAX), "N"),
+    **dict.fromkeys(telemetry.numbered("command", THRUSTERS_MAX), ""),
+    **dict.fromkeys(WRENCH[:3], "N"),
+    **dict.fromkeys(WRENCH[3:], "N m"),
+}
 KNOWN: Mapping[str, str] = {  # what a mapping may name -> its unit in the telemetry
     column.name: column.unit for column in telemetry.COLUMNS if column.name != "step_us"
 } | _EXTRA_UNITS

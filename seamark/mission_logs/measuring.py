@@ -10,19 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from seamark.mission_logs.csv_log import read as read_csv
 from seamark.mission_logs.frames import at_target, in_telemetry_frames
-from seamark.mission_logs.guesses import Guesses
 from seamark.mission_logs.mapping import LogMapping
+from seamark.mission_logs.reading import read
 from seamark.mission_logs.result import LOG, WHAT, LogRefused, LogResult
 from seamark.mission_logs.rows import LogRows, log_rows
-from seamark.mission_logs.samples import Samples
-from seamark.mission_logs.scope import (
-    CSV_SUFFIXES,
-    ROS_SUFFIXES,
-    check_benchmark,
-    unknown_file,
-)
+from seamark.mission_logs.scope import check_benchmark
 from seamark.mission_logs.timeline import Timeline, timeline
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
@@ -61,7 +54,7 @@ def measure(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
     """
     experiment = _experiment(benchmark)
     config = _settings(benchmark, mapping)
-    parts, guessed = _read(path, mapping)
+    parts, guessed = read(path, mapping)
     merged = timeline(parts, mapping.time)
     frame = mapping.frame or guessed.frame or "NED"
     values = in_telemetry_frames(merged.values, frame)
@@ -121,20 +114,6 @@ def _settings(benchmark: str, mapping: LogMapping) -> StationKeepingSettings:
     levels = config.levels if "levels" in settings else (0.0,)
     checked: StationKeepingSettings = config.model_copy(update={"levels": levels})
     return checked
-
-
-def _read(path: Path, mapping: LogMapping) -> tuple[Sequence[Samples], Guesses]:
-    try:
-        if path.is_dir() or path.suffix in ROS_SUFFIXES:
-            from seamark.mission_logs.ros_log import read as read_ros
-
-            return read_ros(path, mapping)
-        if path.suffix in CSV_SUFFIXES:
-            samples, guessed = read_csv(path, mapping)
-            return [samples], guessed
-    except OSError as error:
-        raise LogRefused(f"The log cannot be read: {error.strerror}.") from None
-    raise LogRefused(unknown_file(path.name))
 
 
 def _with_times(

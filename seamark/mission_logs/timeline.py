@@ -50,7 +50,7 @@ def timeline(parts: Sequence[Samples], time: Time) -> Timeline:
     if any("trial" in part.values for part in parts):
         return _of_trials(parts[0])
     for part in parts:
-        _check_order(part)
+        check_order(part)
     if time.period_s is not None:
         return _held(parts, _grid(parts, time.period_s), time, time.period_s)
     first, *others = parts
@@ -71,7 +71,8 @@ def _check_values(part: Samples) -> None:
             raise LogRefused(f"{part.named(at).capitalize()}: {name} is {what}.")
 
 
-def _check_order(part: Samples) -> None:
+def check_order(part: Samples) -> None:
+    """Raise LogRefused unless each sample is later than the one before it."""
     backwards = np.diff(part.stamps) <= 0.0
     if backwards.any():
         at = int(backwards.argmax()) + 1
@@ -120,7 +121,7 @@ def _of_trials(part: Samples) -> Timeline:
             numbers=part.numbers[first:after],
             values={},
         )
-        _check_order(piece)
+        check_order(piece)
         own_period_s = _period(piece.stamps, piece)
         if period_s and own_period_s != period_s:
             raise LogRefused(

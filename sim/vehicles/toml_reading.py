@@ -48,6 +48,11 @@ def read_toml(content: bytes) -> dict[str, Any]:
     return document
 
 
+def without_texts(line: str) -> str:
+    """Return a line without its comment, and an underscore for each text in it."""
+    return _OPAQUE.sub(lambda match: "" if match[0].startswith("#") else "_", line)
+
+
 def _check_shape(text: str) -> None:
     if '"""' in text or "'''" in text:
         raise TomlRefused("Texts of several lines (three quotes) are not read: use one line.")
@@ -55,7 +60,7 @@ def _check_shape(text: str) -> None:
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LINE_MAX:
             raise TomlRefused(f"Line {number} is longer than {LINE_MAX} characters; break it.")
-        bare = _OPAQUE.sub(lambda match: "" if match[0].startswith("#") else "_", line)
+        bare = without_texts(line)
         key = bare if bare.lstrip().startswith("[") else bare.partition("=")[0]
         if nesting == 0 and key.count(".") >= KEY_PARTS_MAX:
             raise TomlRefused(f"The key in line {number} has more than {KEY_PARTS_MAX} parts.")

@@ -22,8 +22,9 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("publishing.md", "datasets.md", "logs.md"),
     ),
     "Benchmarks and models": (
-        *("benchmarks.md", "physics", "currents.md", "vehicles.md", "camera.md", "controllers.md"),
-        *("trackers.md", "trackers-table.md", "visibility.md", "validation.md"),
+        *("benchmarks.md", "physics", "currents.md", "vehicles.md", "identification.md"),
+        *("camera.md", "controllers.md", "trackers.md", "trackers-table.md", "visibility.md"),
+        "validation.md",
     ),
     "For teachers and operators": (
         *("classes.md", "hosting.md", "security.md", "scaling.md", "decisions.md"),
