@@ -255,6 +255,9 @@ class MomentsResponse(ResponseModel):
         description="When the tracker lost the target, or the vehicle its route; the first 200"
     )
     touches: list[float] = Field(description="When the hull first touched something in a level")
+    completed: list[float] | None = Field(
+        None, description="Where a route is followed: when it was completed in a level"
+    )
     stages: list[dict[str, float]] | None = Field(
         None, description="Of interventions: `level`, `stage` from 0, and `t` when it was reached"
     )

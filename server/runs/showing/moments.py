@@ -1,6 +1,6 @@
 """Moments of a trial that a viewer jumps to.
 
-Where levels begin, largest error, losses, touches, and stages.
+Where levels begin, largest error, losses, touches, ends of routes, and stages.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,9 +15,10 @@ from seamark.server.runs.data.downsampling import BLOCK_ROWS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
-from seamark.sim.metrics.following import REACH_M
+from seamark.sim.metrics.following import COMPLETED_M, REACH_M
 from seamark.sim.recording.telemetry import (
     INDEX,
+    ROUTE_COLUMNS,
     ROUTE_INDEX,
     SEARCH_INDEX,
     Rows,
@@ -36,10 +37,12 @@ class _Moments:
     levels: list[dict[str, Any]] = field(default_factory=list)
     losses: list[float] = field(default_factory=list)
     touches: list[float] = field(default_factory=list)
+    completed: list[float] = field(default_factory=list)
     error: float = -np.inf
     error_t: float | None = None
     level: float = np.nan  # of the row before
     lost: bool = False  # in the row before
+    done: bool = False  # likewise, with the route
     touched: bool = False  # in the level of the row before
 
     def add(self, rows: Rows, column: int | None) -> None:
@@ -47,13 +50,14 @@ class _Moments:
         begins = np.diff(level, prepend=self.level) != 0  # also of the first row: NaN
         self.levels += [{"level": int(level[at]), "t": t[at]} for at in np.flatnonzero(begins)]
         lost = _lost(rows)
-        before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
         room = LOSSES_MAX - len(self.losses)
-        self.losses += t[lost & ~before][:room].tolist()
+        self.losses += t[_starts(lost, self.lost, begins)][:room].tolist()
+        done = _done(rows)
+        self.completed += t[_starts(done, self.done, begins)].tolist()
         self._add_touches(t, begins, rows[:, INDEX["contact_n"]] > 0.0)
         if column is not None:
             self._add_error(t, np.nan_to_num(rows[:, column], nan=-np.inf))
-        self.level, self.lost = float(level[-1]), bool(lost[-1])
+        self.level, self.lost, self.done = float(level[-1]), bool(lost[-1]), bool(done[-1])
 
     def _add_error(self, t: Rows, error: Rows) -> None:
         at = int(error.argmax())
@@ -69,6 +73,22 @@ class _Moments:
         self.touches += t[touches[first[is_new]]].tolist()
         goes_on = self.touched and not begins.any()
         self.touched = goes_on or bool((touched == level[-1]).any())
+
+
+def _starts(holds: Flags, held: bool, begins: Flags) -> Flags:
+    """Return in which rows something begins to hold, in each level anew."""
+    before = np.concatenate([[held], holds[:-1]]) & ~begins
+    starts: Flags = holds & ~before
+    return starts
+
+
+def _done(rows: Rows) -> Flags:
+    """Return in which rows a route has been followed to its end."""
+    if not has_route(rows.shape[1]):
+        return np.zeros(len(rows), bool)
+    left = rows[:, ROUTE_INDEX["route_length"]] - rows[:, ROUTE_INDEX["route_along"]]
+    done: Flags = left <= COMPLETED_M
+    return done
 
 
 def _lost(rows: Rows) -> Flags:
@@ -104,7 +124,8 @@ def moments(
 
     A loss is where the tracker begins to report that it has no target, in each level anew, or where
     the vehicle gets too far from the route that it follows to get on along it; a touch where the
-    hull first meets the bottom or the target in a level.
+    hull first meets the bottom or the target in a level. Where a route is followed, `completed` is
+    when it was in each level.
     """
     events = _Moments()
     first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
@@ -112,12 +133,14 @@ def moments(
     for start in range(first, after, BLOCK_ROWS):
         events.add(files.rows(start, min(start + BLOCK_ROWS, after)), column)
     largest = {"column": error, "t": events.error_t, "value": events.error}
-    found = {
+    found: dict[str, Any] = {
         "levels": events.levels,
         "largest_error": largest if events.error_t is not None else None,
         "losses": events.losses,
         "touches": events.touches,
     }
+    if ROUTE_COLUMNS[0].name in files.columns:
+        found["completed"] = events.completed
     if reached is None:
         return found
     starts = [files.rows_until(trial, level["t"] - _SAME_TIME_S) for level in events.levels]

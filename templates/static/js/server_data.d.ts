@@ -62,6 +62,7 @@ export interface Moments {
   levels: { t: number }[];
   losses: number[];
   touches: number[];
+  completed?: number[]; // ends of routes
   largest_error: { t: number } | null;
   stages?: { level: number; stage: number; t: number }[];
 }

@@ -18,6 +18,7 @@ const NEVER = {
   "next-loss": LOST,
   touch: "The vehicle never touched anything.",
   stage: "No stage was reached.",
+  completed: "The route was not completed.",
 };
 
 /**
@@ -121,6 +122,7 @@ export class Bar {
         "next-loss": after(losses),
         "first-loss": losses[0],
         touch: after(touches),
+        completed: after(moments?.completed ?? []),
         stage: after((moments?.stages ?? []).map((reached) => reached.t)),
       };
       const target = targets[wanted];

@@ -1,4 +1,5 @@
-// What is drawn into every chart beside its lines: the levels with their names, stages, losses and first touches.
+// What is drawn into every chart beside its lines: the levels with their names, stages, losses, first touches and
+// ends of routes.
 /**
  * @import uPlot from "uplot"
  * @import { Moments, PlayerData } from "../server_data.d.ts"
@@ -11,7 +12,7 @@ const TICK_PX = 9;
 const BAND_PX = 5; // of a stage, at the foot of the chart
 const TINT = 0.12; // of the chart above it
 
-/** @typedef {Pick<Moments, "losses" | "touches"> & {bands: Band[]}} ChartMarks */
+/** @typedef {Pick<Moments, "losses" | "touches" | "completed"> & {bands: Band[]}} ChartMarks */
 
 /**
  * The plugin of uPlot; owner: levelAt(index), marks()
@@ -95,11 +96,12 @@ function drawLevels(plot, data, levelAt) {
 }
 
 /**
- * Ticks where the target was lost, triangles where the hull first touched something, at the foot of the chart.
+ * Ticks where the target was lost, triangles where the hull first touched something, and squares
+ * where a route was completed, at the foot of the chart.
  * @param {uPlot} plot
  * @param {ChartMarks} marks
  */
-function drawMarks(plot, { losses, touches }) {
+function drawMarks(plot, { losses, touches, completed = [] }) {
   const { ctx, bbox } = plot;
   const foot = bbox.top + bbox.height;
   const size = TICK_PX * devicePixelRatio;
@@ -109,6 +111,8 @@ function drawMarks(plot, { losses, touches }) {
   ctx.save();
   ctx.fillStyle = colour("--bad");
   for (const x of places(losses)) ctx.fillRect(x - devicePixelRatio, foot - size, 2 * devicePixelRatio, size);
+  ctx.fillStyle = colour("--good");
+  for (const x of places(completed)) ctx.fillRect(x - size / 2, foot - size, size, size);
   ctx.fillStyle = colour("--warn");
   for (const x of places(touches)) {
     ctx.beginPath();

@@ -1,5 +1,5 @@
-// Where the target was lost, where the hull first touched something, where levels change and stages were reached: on
-// the time line, and for the charts. Of a live run they are asked for again from time to time.
+// Where target or route was lost, where the hull first touched something, where levels change, stages were reached and
+// routes completed: on the time line, and for the charts. Of a live run they are asked for again from time to time.
 /**
  * @import { Moments } from "../server_data.d.ts"
  * @import { StageStrip } from "./stage_strip.js"
@@ -72,7 +72,7 @@ export class Marks {
   }
 
   draw() {
-    const { levels, losses, touches } = this.moments;
+    const { levels, losses, touches, completed = [] } = this.moments;
     this.stages?.show(this.bands());
     /** @type {(kind: string) => (t: number) => HTMLElement} */
     const mark = (kind) => (t) => {
@@ -86,10 +86,11 @@ export class Marks {
       ...changes.map(mark("change")),
       ...losses.map(mark("loss")),
       ...touches.map(mark("touch")),
+      ...completed.map(mark("completed")),
     );
-    this.legend.hidden = !losses.length && !touches.length;
-    need(this.legend, ".loss", HTMLElement).hidden = !losses.length;
-    need(this.legend, ".touch", HTMLElement).hidden = !touches.length;
+    const kinds = Object.entries({ loss: losses, touch: touches, completed });
+    this.legend.hidden = kinds.every(([, times]) => !times.length);
+    for (const [kind, times] of kinds) need(this.legend, `.${kind}`, HTMLElement).hidden = !times.length;
   }
 
   bands() {

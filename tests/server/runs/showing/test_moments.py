@@ -85,6 +85,19 @@ def test_a_route_is_lost_where_the_vehicle_gets_farther_than_a_metre_off_it(tmp_
     assert found["largest_error"] == {"column": "cross_track", "t": 70.0, "value": 2.5}
 
 
+def test_a_route_is_completed_once_in_each_level_that_gets_to_its_end(tmp_path: Path) -> None:
+    table = np.zeros((ROWS, width_for(8, route=True)))
+    table[:, INDEX["t"]] = np.arange(ROWS)
+    table[:, INDEX["level"]] = np.repeat([1.0, 0.0], ROWS // 2)
+    table[:, ROUTE_INDEX["route_length"]] = 30.0
+    table[:, ROUTE_INDEX["route_along"]] = 29.9
+    table[16_000 : ROWS // 2, ROUTE_INDEX["route_along"]] = 29.96  # across two reads
+    files = RunFiles(tmp_path, 1, 1)
+    files.append_rows(table)
+
+    assert moments(files, 0, "cross_track")["completed"] == [16_000.0]
+
+
 def test_a_tracker_that_flickers_gives_a_list_of_bounded_length(tmp_path: Path) -> None:
     files = _files(tmp_path, tracker_ok=np.arange(ROWS) % 2)
 

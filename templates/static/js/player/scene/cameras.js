@@ -63,7 +63,9 @@ export class Cameras {
     canvas.addEventListener("blur", () => this.flying.clear());
   }
 
-  /** @param {Pick<SceneData, "target" | "route" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description */
+  /**
+   * @param {Pick<SceneData, "target" | "route" | "camera"> & {vehicles: {shape: VehicleShape | null}[]}} description
+   */
   describe({ target, route, camera, vehicles }) {
     if (target) this.target = TO_SCREEN(new Vector3(...target.centre));
     this.described = target !== null && !route; // nobody looks at what lies below a route
