@@ -116,6 +116,8 @@ TRACKERS = {
     "ecc": "seamark.sim.trackers.ecc:TRACKER",
     "kcf": "seamark.sim.trackers.correlation_filters:KCF",
     "csrt": "seamark.sim.trackers.correlation_filters:CSRT",
+    "mosse": "seamark.sim.trackers.mosse:TRACKER",
+    "median-flow": "seamark.sim.trackers.median_flow:TRACKER",
     "visp": "seamark.sim.trackers.visp:TRACKER",
     "box": "seamark.sim.trackers.box:TRACKER",
 }

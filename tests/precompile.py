@@ -29,6 +29,7 @@ from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
+from tests.sim.trackers import test_upright_boxes
 from tests.sim.trackers.template import test_template
 
 SIMULATOR = Path(__file__).parent / "sim"
@@ -72,6 +73,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
     "engine/test_perception.py",
     "detectors/test_detectors.py::test_the_stored_looks_are_those_that_the_painter_paints",
+    "numerics/test_fourier.py",
     "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
     "physics/test_hydrodynamics.py",
     "trackers/template/test_template.py::test_homography_is_within_a_tenth_of_a_pixel[esm-mi]",
@@ -97,6 +99,7 @@ def main() -> None:
             partial(_run, test_faces.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_network.BITS, OLDEST_PROCESSOR),
             partial(_run, test_horizon.BITS, OLDEST_PROCESSOR),
+            partial(_run, test_upright_boxes.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
         )

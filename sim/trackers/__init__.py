@@ -95,4 +95,4 @@ def _truth(truth: Callable[[], Corners] | None) -> Tracker:
 
 def warm_up() -> None:
     """Load all compiled code, so that forked simulators start at once."""
-    import_module("seamark.sim.trackers.template.warm_up").run()
+    import_module("seamark.sim.trackers.warm_up").run()

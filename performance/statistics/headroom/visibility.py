@@ -37,6 +37,7 @@ from performance.statistics.headroom.marks import (
     score_cells,
     stability,
 )
+from performance.statistics.opencv_mosse import OpenCvMosse
 from performance.statistics.visibility_attacks import Path as CornerPath
 from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
 from performance.tables import markdown_table
@@ -57,7 +58,7 @@ DISHONEST = ("playback", "remembers")
 SHOWN_DEPTHS = (0.0, 2.0, 4.0)
 DRAWN = (
     *("nothing", "blind", "ssd-homography", "box", "kcf", "ecc", "klt", "zncc-homography"),
-    "oracle",
+    *("mosse", "median-flow", "oracle"),
 )
 
 
@@ -104,6 +105,12 @@ def entries() -> dict[str, Entry]:
     )
     by_name["mi-srt"] = Entry(
         title="Template tracker, MI, SRT", config={"criterion": "mi", "warp": "srt"}, make=built_in
+    )
+    by_name["median-flow"] = Entry(
+        title="Median flow", config={"tracker": "median-flow"}, make=built_in
+    )
+    by_name["mosse-opencv"] = Entry(
+        title="MOSSE, OpenCV", config={}, make=lambda _config: OpenCvMosse()
     )
     if not declaration("visp").unavailable():
         by_name["visp"] = Entry(

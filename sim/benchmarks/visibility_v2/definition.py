@@ -64,7 +64,7 @@ BASIN = Metric(
 
 
 # Of set-ups that cannot be told apart one is a mark: KCF is as good as the box tracker, MI as ZNCC,
-# SSD no better than being blind (./run performance visibility_headroom).
+# SSD and median flow no better than being blind (./run performance visibility_headroom).
 MARKS = {
     "nothing": Baseline("Nothing: the corners of the start for ever", "nothing"),
     "blind": Baseline("Blind after four images: constant velocity", "blind"),
@@ -79,6 +79,7 @@ MARKS = {
     "zncc-srt": Baseline(
         "Template tracker, ZNCC, SRT", "built-in", {"criterion": "zncc", "warp": "srt"}
     ),
+    "mosse": Baseline("MOSSE", "built-in", {"tracker": "mosse"}),
     "oracle": Baseline("Oracle: the true corners", "oracle"),
 }
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
 from seamark.sim.trackers.plausibility import PlausibilityGate
+from seamark.sim.trackers.subpixel import peak_offset
 
 LOWEST_CORRELATION = 0.5  # E: as for the template tracker
 SMALLEST_PX = 6
@@ -54,20 +55,11 @@ class BoxTracker:
         row, column = np.unravel_index(int(scores.argmax()), scores.shape)
         similarity = float(scores[row, column])
         position = np.array([x0 + column, y0 + row])
-        fraction = np.array([_peak(scores[row], int(column)), _peak(scores[:, column], int(row))])
+        fraction = np.array(
+            [peak_offset(scores[row], int(column)), peak_offset(scores[:, column], int(row))]
+        )
         ok = similarity >= LOWEST_CORRELATION
         ok = ok and self._gate.accept(self._corners + (position - self._start) + fraction)
         if ok:
             self._position = position
         return Track(self._gate.last.copy(), ok, 1.0 - similarity, 1)
-
-
-def _peak(line: NDArray[np.float64], at: int) -> float:
-    """Return the sub-pixel offset of the peak of a line, by a parabola, -0.5..0.5."""
-    if not 0 < at < len(line) - 1:
-        return 0.0
-    before, top, after = line[at - 1 : at + 2]
-    curvature = before - 2.0 * top + after
-    return (
-        0.0 if curvature >= 0.0 else float(np.clip(0.5 * (before - after) / curvature, -0.5, 0.5))
-    )

@@ -19,15 +19,17 @@ from seamark.sim.trackers.plausibility import PlausibilityGate
 SMALLEST_PX = 6
 
 
-class _Filter(Protocol):
+class BoxFilter(Protocol):
     """The interface of OpenCV's box trackers: x, y, width and height [px] of the box."""
 
-    def init(self, image: NDArray[np.uint8], box: Sequence[int], /) -> None: ...
+    def init(self, image: NDArray[np.uint8], box: Sequence[int], /) -> object:
+        """Learn the box in an image (H, W, 3)."""
 
-    def update(self, image: NDArray[np.uint8], /) -> tuple[bool, Sequence[int]]: ...
+    def update(self, image: NDArray[np.uint8], /) -> tuple[bool, Sequence[float]]:
+        """Return whether the box is in the next image, and where."""
 
 
-class _BoxTracker(ABC):
+class UprightBoxTracker(ABC):
     """Moves the target's corners with the box of a filter."""
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
@@ -59,23 +61,23 @@ class _BoxTracker(ABC):
         return Track(self._gate.last.copy(), ok, 0.0 if ok else 1.0, 1)
 
     @abstractmethod
-    def _create_filter(self) -> _Filter:
+    def _create_filter(self) -> BoxFilter:
         """Return a new filter."""
 
 
-class KcfTracker(_BoxTracker):
+class KcfTracker(UprightBoxTracker):
     """Kernelised correlation filter with OpenCV's default settings."""
 
-    def _create_filter(self) -> _Filter:
-        made: _Filter = cv2.TrackerKCF.create()
+    def _create_filter(self) -> BoxFilter:
+        made: BoxFilter = cv2.TrackerKCF.create()
         return made
 
 
-class CsrtTracker(_BoxTracker):
+class CsrtTracker(UprightBoxTracker):
     """Discriminative correlation filter with channel and spatial reliability."""
 
-    def _create_filter(self) -> _Filter:
-        made: _Filter = cv2.TrackerCSRT.create()
+    def _create_filter(self) -> BoxFilter:
+        made: BoxFilter = cv2.TrackerCSRT.create()
         return made
 
 
