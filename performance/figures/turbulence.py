@@ -20,7 +20,7 @@ from seamark.sim.physics.water_motion.turbulence import (
 )
 
 FIGURE = Path("docs/figures/turbulence.png")
-RUNS, COUNT = 60, 8192
+RUNS, COUNT = 150, 8192
 SPEED, HEIGHT_M = 0.4, 2.27  # [m/s, m] a middle level, and the height of the start
 PLACE = "ria"
 LAGS_S = np.array([0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 24.0])

@@ -3,14 +3,13 @@
 Both are measured in turns in one process, so that what else the machine does hits both.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from statistics import median
 from time import process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from performance.tables import Row
 from seamark.gym.vector import StationKeepingVectorEnv
 from seamark.sim import registry
 from seamark.sim.engine.trial import run_trial
@@ -34,34 +33,43 @@ RUNS: Mapping[str, tuple[str, Mapping[str, object]]] = {
 }
 
 
-def rows() -> list[Row]:
-    """Measure and return the rows."""
-    out = []
+class Cost(NamedTuple):
+    """CPU times [ms] of the same without and with the water, and the median ratio of a turn."""
+
+    what: str
+    plain: float
+    moved: float
+    ratio: float
+
+
+def table() -> str:
+    """Return the costs as text."""
+    lines = [f"{'what':75} {'without':>10} {'with':>10} {'more':>7}"]
+    for cost in costs():
+        more = f"{cost.ratio - 1.0:+.1%}"
+        lines.append(f"{cost.what:75} {cost.plain:7.0f} ms {cost.moved:7.0f} ms {more:>7}")
+    return "\n".join(lines)
+
+
+def costs() -> Iterator[Cost]:
+    """Measure and yield the costs."""
     for name, (controller, settings) in RUNS.items():
         for water, more in WATERS.items():
             benchmark = name.partition(",")[0]
             plain, moved = (
                 _run(benchmark, controller, {**settings, **added}) for added in ({}, more)
             )
-            out.append(_row(f"a run of {name} with {water}", plain, moved))
+            yield _cost(f"a run of {name} with {water}", plain, moved)
     for water, more in WATERS.items():
         plain, moved = (_fleet(added) for added in ({}, more))
-        out.append(_row(f"{VEHICLES} vehicles side by side with {water}", plain, moved))
-    return out
+        yield _cost(f"{VEHICLES} vehicles side by side with {water}", plain, moved)
+    yield _cost("the same sinusoids and gusts twice, which shows the noise", _fleet({}), _fleet({}))
 
 
-def _row(what: str, plain: Callable[[], None], moved: Callable[[], None]) -> Row:
-    """Return CPU times of both, taken in turns; the value is the median ratio's."""
+def _cost(what: str, plain: Callable[[], None], moved: Callable[[], None]) -> Cost:
     pairs = _times([plain, moved])
-    base = median(pair[0] for pair in pairs)
-    ratio = median(pair[1] / pair[0] for pair in pairs)
-    return Row(
-        what=what,
-        value=1e3 * base * ratio,
-        unit="ms CPU",
-        baseline="sinusoids and gusts",
-        baseline_value=1e3 * base,
-    )
+    without, with_it = (1e3 * median(pair[at] for pair in pairs) for at in (0, 1))
+    return Cost(what, without, with_it, median(pair[1] / pair[0] for pair in pairs))
 
 
 def _times(calls: Sequence[Callable[[], None]]) -> list[list[float]]:

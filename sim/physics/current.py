@@ -310,7 +310,9 @@ def segment_of(numbers: Array, i: int) -> Segment:
 
 @njit(cache=True, error_model="numpy")
 def _cell_at(t: float, depth: float, grid: tuple[float, float], table: Array) -> Segment:
-    at = min(max(int(t / TABLE_GRID_S), 0), table.shape[1] - 2)
+    end = table.shape[1] - 1
+    begin = min(max(int(t / TABLE_GRID_S), 0), end)
+    instants = (begin, min(begin + 1, end))  # both the last one after the end: no change from there
     top, spacing = grid
     last = table.shape[0] // 3 - 1
     upper, lower = 0, 0
@@ -319,11 +321,11 @@ def _cell_at(t: float, depth: float, grid: tuple[float, float], table: Array) ->
     elif depth > top:  # not so if the depth is not a number
         upper = min(int((depth - top) / spacing), last - 1)
         lower = upper + 1
-    x, x_rate, x_slope, x_change = _corner(table, 3 * upper, 3 * lower, at, spacing)
-    y, y_rate, y_slope, y_change = _corner(table, 3 * upper + 1, 3 * lower + 1, at, spacing)
-    z, z_rate, z_slope, z_change = _corner(table, 3 * upper + 2, 3 * lower + 2, at, spacing)
+    x, x_rate, x_slope, x_change = _corner(table, 3 * upper, 3 * lower, instants, spacing)
+    y, y_rate, y_slope, y_change = _corner(table, 3 * upper + 1, 3 * lower + 1, instants, spacing)
+    z, z_rate, z_slope, z_change = _corner(table, 3 * upper + 2, 3 * lower + 2, instants, spacing)
     return (
-        at * TABLE_GRID_S,
+        begin * TABLE_GRID_S,
         top + upper * spacing,
         *(x, y, z),
         *(x_rate, y_rate, z_rate),
@@ -334,11 +336,12 @@ def _cell_at(t: float, depth: float, grid: tuple[float, float], table: Array) ->
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _corner(
-    table: Array, row: int, below: int, at: int, spacing: float
+    table: Array, row: int, below: int, instants: tuple[int, int], spacing: float
 ) -> tuple[float, float, float, float]:
     """Return a value of a cell's first corner, and its slopes in time, in depth and in both."""
-    value, later = table[row, at], table[row, at + 1]
-    more, more_later = table[below, at] - value, table[below, at + 1] - later
+    first, second = instants
+    value, later = table[row, first], table[row, second]
+    more, more_later = table[below, first] - value, table[below, second] - later
     rate, change = (later - value) / TABLE_GRID_S, (more_later - more) / TABLE_GRID_S
     return value, rate, more / spacing, change / spacing
 

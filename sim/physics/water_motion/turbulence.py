@@ -13,6 +13,8 @@ The spectrum is that of the water at a point. Eddies smaller than a vehicle, fas
 divided by its length, push its parts in different directions in truth; here they push all of it.
 """
 
+import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -57,14 +59,18 @@ def spectrum_across(frequency: Array, sigma: float, time_s: float) -> Array:
 def fluctuation(turbulence: Turbulence, rng: np.random.Generator, count: int) -> Array:
     """Return the turbulent velocity along, across and down on a table's grid, (3, count) [m/s].
 
-    A longer one begins with the same values.
+    Each is a sum of sinusoids, one somewhere in each of equal bins of log f. A longer one begins
+    with the same values.
     """
-    draws = rng.random((3, 2, SINUSOIDS))  # always as many, whatever the place
-    parts = [
-        _component(sigma, turbulence.time_s, *draws[axis], along=axis == 0, count=count)
-        for axis, sigma in enumerate((turbulence.along, turbulence.across, turbulence.upright))
-    ]
-    return np.array(parts)
+    places, turns = rng.random(SINUSOIDS), rng.random((SINUSOIDS, 3))  # whatever the place
+    lowest = _LOWEST / turbulence.time_s
+    width = log(HIGHEST_HZ / lowest) / SINUSOIDS
+    frequencies = _exponentials(width * (np.arange(SINUSOIDS) + places)) * lowest
+    sizes = np.empty((SINUSOIDS, 3))
+    for axis, sigma in enumerate((turbulence.along, turbulence.across, turbulence.upright)):
+        formula = spectrum_across if axis else spectrum_along
+        sizes[:, axis] = sigma * _amplitudes(frequencies, formula, turbulence.time_s)
+    return sinusoids(frequencies, sizes, 2.0 * PI * turns, step_s=TABLE_GRID_S, count=count)
 
 
 def turbulence_of(place: Place, speed: float, height_m: float) -> Turbulence:
@@ -78,23 +84,13 @@ def turbulence_of(place: Place, speed: float, height_m: float) -> Turbulence:
     return Turbulence(sigma, ACROSS * sigma, UPRIGHT * sigma, time_s)
 
 
-def _component(
-    sigma: float, time_s: float, places: Array, turns: Array, *, along: bool, count: int
+def _amplitudes(
+    frequencies: Array, formula: Callable[[Array, float, float], Array], time_s: float
 ) -> Array:
-    """Return one component, (count,) [m/s]: a sinusoid somewhere in each of equal bins of log f."""
-    lowest = _LOWEST / time_s
-    width = log(HIGHEST_HZ / lowest) / SINUSOIDS
-    frequencies = _exponentials(width * (np.arange(SINUSOIDS) + places)) * lowest
-    spectrum = (spectrum_along if along else spectrum_across)(frequencies, 1.0, time_s)
-    power = spectrum * frequencies  # times the bin's width in log f
-    total = 0.0
-    for one in power.tolist():
-        total += one
-    amplitudes = sigma * np.sqrt(2.0 * power / total)
-    phases, no = 2.0 * PI * turns, np.zeros(SINUSOIDS)
-    both = sinusoids(frequencies, phases, (amplitudes, no), step_s=TABLE_GRID_S, count=count)
-    component: Array = both[0]
-    return component
+    """Return amplitudes (n,) of a spectrum on equal bins of log f, for a deviation of one."""
+    power = formula(frequencies, 1.0, time_s) * frequencies  # times the bin's width in log f
+    amplitudes: Array = np.sqrt(2.0 * power / math.fsum(power.tolist()))
+    return amplitudes
 
 
 @njit(cache=True, error_model="numpy")

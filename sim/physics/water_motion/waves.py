@@ -15,9 +15,11 @@ meets them earlier or later by kx radians: with waves of 4 s in 5 m of water (k 
 0.08 rad at 0.3 m.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, exp, log
@@ -54,24 +56,37 @@ def orbital_velocity(
     peak = 1.0 / waves.period_s
     width = (_BAND[1] - _BAND[0]) * peak / SINUSOIDS
     frequencies = _BAND[0] * peak + width * (np.arange(SINUSOIDS) + places)
-    amplitudes = amplitudes_of(waves, frequencies)
-    numbers = np.array([wave_number(2.0 * PI * f, depth_m) for f in frequencies.tolist()])
-    speeds, phases = amplitudes * 2.0 * PI * frequencies, -2.0 * PI * turns
-    out = np.zeros((heights.size, 2, count))
-    for i, height in enumerate(heights.tolist()):
-        shares = [[_share(k, height, depth_m, sign) for k in numbers.tolist()] for sign in (1, -1)]
-        sizes = speeds * np.array(shares[0]), speeds * np.array(shares[1])
-        out[i] = sinusoids(frequencies, phases, sizes, step_s=TABLE_GRID_S, count=count)
-    return out
+    speeds = 2.0 * PI * frequencies * amplitudes_of(waves, frequencies)
+    sizes = np.empty((SINUSOIDS, heights.size, 2))
+    _write_sizes(frequencies, speeds, heights, depth_m, sizes)
+    phases = np.empty_like(sizes)
+    phases[:, :, 0] = -2.0 * PI * turns[:, None]
+    phases[:, :, 1] = phases[:, :, 0] - 0.5 * PI  # a sine
+    rows = sizes.reshape(SINUSOIDS, -1), phases.reshape(SINUSOIDS, -1)
+    both = sinusoids(frequencies, *rows, step_s=TABLE_GRID_S, count=count)
+    return both.reshape(heights.size, 2, count)
 
 
+@njit(cache=True, error_model="numpy")
+def _write_sizes(
+    frequencies: Array, speeds: Array, heights: Array, depth_m: float, out: Array
+) -> None:
+    """Write how fast each wave moves the water along its way and down, (n, k, 2) [m/s]."""
+    for i in range(frequencies.size):
+        k = wave_number(2.0 * PI * frequencies[i], depth_m)
+        for h in range(heights.size):
+            out[i, h, 0] = speeds[i] * _share(k, heights[h], depth_m, 1.0)
+            out[i, h, 1] = speeds[i] * _share(k, heights[h], depth_m, -1.0)
+
+
+@njit(cache=True, error_model="numpy")
 def jonswap(frequency: float, peak: float) -> float:
     """Return the spectrum at a frequency [Hz] without its scale."""
     ratio = frequency / peak
     spread = 0.07 if ratio <= 1.0 else 0.09
     off = (ratio - 1.0) / spread
     enhancement = exp(log(_PEAKEDNESS) * exp(-0.5 * off * off))
-    return float(exp(-5.0 * log(ratio) - 1.25 * exp(-4.0 * log(ratio))) * enhancement)
+    return exp(-5.0 * log(ratio) - 1.25 * exp(-4.0 * log(ratio))) * enhancement
 
 
 def amplitudes_of(waves: Waves, frequencies: Array) -> Array:
@@ -83,11 +98,12 @@ def amplitudes_of(waves: Waves, frequencies: Array) -> Array:
     return waves.height_m / 4.0 * np.sqrt(2.0 * np.array(power) / total)
 
 
+@njit(cache=True, error_model="numpy")
 def wave_number(rate: float, depth_m: float) -> float:
     """Return k [rad/m] of the angular frequency [rad/s] in water of a depth: by bisection."""
     deep = rate * rate / STANDARD_GRAVITY
     # k tanh(kd) = deep lies between the deep and the sum of the deep and the shallow solution.
-    low, high = deep, deep + float(np.sqrt(deep / depth_m))
+    low, high = deep, deep + math.sqrt(deep / depth_m)
     for _ in range(_STEPS):
         middle = 0.5 * (low + high)
         e = exp(-2.0 * middle * depth_m)
@@ -98,6 +114,7 @@ def wave_number(rate: float, depth_m: float) -> float:
     return 0.5 * (low + high)
 
 
+@njit(cache=True, error_model="numpy")
 def _share(k: float, height: float, depth_m: float, sign: float) -> float:
     """Return cosh(kh)/sinh(kd), or with a negative sign sinh(kh)/sinh(kd), without overflow."""
     below = exp(k * (height - depth_m))

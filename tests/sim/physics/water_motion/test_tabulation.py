@@ -138,6 +138,14 @@ def test_above_and_below_its_depths_the_table_is_constant_and_takes_what_is_no_n
     assert np.all(np.isnan(current.velocity(7.03, float("nan"))))  # and reads nothing it may not
 
 
+def test_after_its_end_the_water_moves_on_steadily() -> None:
+    current = current_of(0.4, Motion(place=PLACES["ria"]), SITE, streams(1, 0, 0))
+    end = current.velocity(current.duration_s, 2.5)
+
+    assert current.velocity(current.duration_s + 12.0, 2.5).tobytes() == end.tobytes()
+    assert np.hypot(*end[:2]) < 1.0
+
+
 def test_the_acceleration_and_the_shear_are_the_slopes_of_the_velocity() -> None:
     from seamark.sim.physics.current import moving_in
 

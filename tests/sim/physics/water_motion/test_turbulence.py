@@ -42,7 +42,7 @@ def test_each_component_has_its_spectrum_with_a_tail_of_minus_five_thirds(
     axis: int, formula: object, sigma: float
 ) -> None:
     assert callable(formula)
-    frequency, found = power(many(8192, 60)[:, axis])
+    frequency, found = power(many(8192, 150)[:, axis])
     edges = 0.01 * 2.0 ** np.arange(0.0, 9.0, 0.5)  # half octaves, up to 3.6 Hz
     bands = [(frequency >= low) & (frequency < high) for low, high in pairwise(edges)]
     ours = np.array([found[band].mean() for band in bands])
