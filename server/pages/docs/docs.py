@@ -58,6 +58,8 @@ EXTRAS = {  # of pyproject.toml
     "tune": "seamark tune",
     "formats": "seamark export to Parquet and MCAP",
     "ros": "seamark bridge rosbridge; seamark replay of MCAP files and ROS bags",
+    "netcdf": "seamark current of NetCDF 4 files",
+    "tides": "seamark current of tidal constituents",
     "plot": "pictures by seamark plot and the Python client",
     "pybullet": "PyBullet as contact engine, to compare with; Python 3.11 alone",
 }
