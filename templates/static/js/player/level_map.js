@@ -152,6 +152,7 @@ export class LevelMap {
     const rows = shown && shown.trial === this.trial ? levelAround(this.rows, shown.t) : [];
     this.note.hidden = rows.length > 0;
     this.svg.toggleAttribute("hidden", !rows.length);
+    this.svg.style.visibility = this.ground ? "visible" : "hidden"; // its marks have no place yet
     this.figures.hidden = !rows.length;
     if (!shown || !rows.length) return;
     const level = Number(rows[0].level);
@@ -166,6 +167,7 @@ export class LevelMap {
       svg.setAttribute("viewBox", `0 0 ${size.width} ${size.height}`);
       svg.style.height = `${size.height}px`;
       this.ground = { key, drawn: kind.ground(svg, rows, scene, size) };
+      svg.style.visibility = "visible";
     }
     const known = rows.filter((row) => row.t <= shown.t + SAME_S);
     const now = shown.row?.level === level ? shown.row : known[known.length - 1];
