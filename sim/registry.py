@@ -65,6 +65,8 @@ TASK_CONTROLLERS = {
         "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
         "los": "seamark.sim.control.track.guidance:LineOfSight",
         "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
+        "pi": "seamark.sim.control.position.pi:Controller",
+        "p": "seamark.sim.control.position.p:Controller",
     },
     "mission": {
         "chain": "seamark.sim.control.manipulation.mission:Chain",

@@ -6,6 +6,7 @@ Importing this package registers them. It needs the extra `gym`.
 import gymnasium
 
 from seamark.sim import registry
+from seamark.sim.benchmarks.benchmark import Benchmark
 
 _ENTRY_POINTS = {  # role of what takes part -> single and vectorised environment; detectors are
     # trained on images (`seamark dataset`), and have none
@@ -21,14 +22,20 @@ BENCHMARKS = {
     if benchmark.role in _ENTRY_POINTS
 }
 _INTERVENTIONS = ("seamark.gym.intervention:InterventionEnv", None)
+_ROUTES = ("seamark.gym.following:FollowingEnv", None)
+
+
+def _entry_points(benchmark: Benchmark) -> tuple[str, str | None]:
+    if benchmark.moves_arm:
+        return _INTERVENTIONS
+    return _ROUTES if benchmark.follows_route else _ENTRY_POINTS[benchmark.role]
 
 
 def _register() -> None:
     """Register the environments; loads neither Numba nor OpenCV."""
     for gym_id, name in BENCHMARKS.items():
         benchmark = registry.benchmark(name)
-        points = _INTERVENTIONS if benchmark.moves_arm else _ENTRY_POINTS[benchmark.role]
-        single, vectorised = points
+        single, vectorised = _entry_points(benchmark)
         gymnasium.register(
             gym_id,
             entry_point=single,

@@ -20,6 +20,7 @@ from seamark.sim.control.observation import (
     PER_FEELER,
     PER_MOTOR,
     PER_THRUSTER,
+    ROUTE_FIELDS,
     SEARCH_FIELDS,
     Observation,
     arm_size,
@@ -51,6 +52,8 @@ _BOUNDS = {
     "velocity_valid": (0.0, 1.0),
     "touch": (0.0, 1.0),
     "confidence": (0.0, 1.0),
+    "fix_age": (-1.0, _UNBOUNDED),
+    "fix_sigma": (0.0, _UNBOUNDED),
     "image_t": (0.0, _UNBOUNDED),
 }
 
@@ -60,11 +63,12 @@ def named(
     *,
     arm: str = NO_ARM,
     search: bool = False,
+    route: bool = False,
 ) -> Observation:
     """Return an observation by name, as an uploaded controller gets it: `named(obs).error`.
 
     `arm` is the one that the vehicle carries, if any; `search` is whether its target has to be
-    found first, as in mission-v1.
+    found first, as in mission-v1, and `route` whether it follows one, as in track-v1.
     """
     size = None if arm == NO_ARM else arm_size(load_linkage(arm))
     images = None
@@ -72,7 +76,8 @@ def named(
         parts = observation
         observation = parts[STATE]
         images = {key.removeprefix(IMAGE): parts[key] for key in parts if key != STATE}
-    return Observation(np.asarray(observation, dtype=np.float64), size, images, search=search)
+    packed = np.asarray(observation, dtype=np.float64)
+    return Observation(packed, size, images, search=search, route=route)
 
 
 def most_thrusters(config: StationKeepingSettings) -> int:
@@ -96,6 +101,7 @@ def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.floa
     further = (
         *(ARM_FIELDS if size else ()),
         *(SEARCH_FIELDS if config.searches() else ()),
+        *(ROUTE_FIELDS if config.has_route() else ()),
         *(IMAGE_FIELDS if config.cameras_of_program() else ()),
     )
     for name, count, _unit, _meaning in (*FIELDS, *further):

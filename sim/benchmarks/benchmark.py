@@ -146,6 +146,7 @@ class Benchmark:
     # ones. The experiment then gets a `seamark.sim.engine.team.Team`
     parts: tuple[str, ...] = ()
     moves_arm: bool = False  # whether its programs move an arm: they start from other ones
+    follows_route: bool = False  # whether its programs follow a route
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
     # name -> label of built-in solutions that only baselines may use: marks such as an oracle
     reference_built_in: Mapping[str, str] = field(default_factory=dict)

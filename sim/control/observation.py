@@ -25,10 +25,11 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
         "error",
         3,
         "m",
-        "position error: how far to move, body frame (x forward, y starboard, z down)",
+        "position error: how far to move, body frame (x forward, y starboard, z down); on a route, "
+        "to a point ahead, by the built-in navigation",
     ),
     ("error_px", 2, "px", "tracked target minus image centre (x right, y down)"),
-    ("target_visible", 0, "", "whether the tracker has the target now"),
+    ("target_visible", 0, "", "whether the tracker has the target now; always on a route"),
     ("target_age", 0, "s", "time since the tracker last had the target"),
     ("velocity", 3, "m/s", "last velocity over ground from the DVL, body frame"),
     ("velocity_valid", 0, "", "whether the last DVL measurement was good"),

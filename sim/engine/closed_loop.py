@@ -11,7 +11,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import COMMAND, ROUTE_NUMBERS, SEARCH_NUMBERS, empty
+from seamark.sim.control.observation import COMMAND, SEARCH_NUMBERS, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
@@ -122,9 +122,11 @@ class ClosedLoop:
         world = self._world
         if world.course is None:
             return None
-        seen = self.observation[first : first + ROUTE_NUMBERS]
-        start = world.start[:3]
-        return RouteInLoop(world.course, seen, start, steps=self._steps, step_s=self._dt)
+        return RouteInLoop(
+            *(world.course, self.observation, first, world.start[:3]),
+            steps=self._steps,
+            step_s=self._dt,
+        )
 
     def run(self, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows`, the last ones even if the program raises."""

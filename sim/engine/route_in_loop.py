@@ -5,17 +5,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seamark.sim.control.observation import ROUTE_POINTS
+from seamark.sim.control.observation import ROUTE_NUMBERS, ROUTE_POINTS, STARTS
+from seamark.sim.control.track.guide import Guide
+from seamark.sim.control.track.navigation import Measured
 from seamark.sim.metrics.following import REACH_M, REJOIN_M, WINDOW_M
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.libm import sincos
 from seamark.sim.numerics.polyline import nearest, starts_of
-from seamark.sim.recording.telemetry import ROUTE_INDEX, ROUTE_WIDTH, WIDTH
+from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, ROUTE_WIDTH, WIDTH
 from seamark.sim.sensors.usbl import Noise, Usbl
 
 _ROUTE = slice(0, 3 * ROUTE_POINTS)
 _FIX = slice(_ROUTE.stop, _ROUTE.stop + 4)  # north, east, age, standard deviation
+GUIDE_M = 1.0  # E: how far ahead of the nearest point the position error points
 NO_FIX = -1.0  # age of a fix before the first one
 _POINT, _ALONG = ROUTE_INDEX["route_x"] - WIDTH, ROUTE_INDEX["route_along"] - WIDTH
+_ERROR = slice(INDEX["error_x"], INDEX["error_z"] + 1)
+_SEEN_ERROR = slice(STARTS["error"], STARTS["error"] + 3)
+_SURGE, _YAW = STARTS["velocity"], STARTS["attitude"] + 2
 _FIXED, _BOAT = ROUTE_INDEX["fix_x"] - WIDTH, ROUTE_INDEX["boat_x"] - WIDTH
 
 
@@ -26,6 +33,7 @@ class Course:
     route_m: Array  # (ROUTE_POINTS, 3) NED
     boat_m: Array  # (3,) NED, the acoustic transceiver
     start_error_m: tuple[float, float]  # north, east, of where the vehicle is said to start
+    most_start_error_m: float  # that this may be
     noise: Noise
     rng: np.random.Generator  # of the noise
 
@@ -36,7 +44,8 @@ class RouteInLoop:
     def __init__(
         self,
         course: Course,
-        seen: Array,
+        observation: Array,
+        first: int,
         start_m: Array,
         *,
         steps: int,
@@ -44,12 +53,13 @@ class RouteInLoop:
     ) -> None:
         """Set up a level of `steps` control steps.
 
-        `seen` is the part of the observation, (ROUTE_NUMBERS,), which is written to; `start_m` is
+        The part of the observation that is about the route begins at index `first`; `start_m` is
         where the vehicle starts, (3,) NED.
         """
         self._points, self._starts = course.route_m, starts_of(course.route_m)
         self._usbl = Usbl(course.rng, course.noise, course.boat_m, steps=steps, step_s=step_s)
-        self._boat, self._seen = course.boat_m, seen
+        seen = observation[first : first + ROUTE_NUMBERS]
+        self._boat, self._seen, self._observation = course.boat_m, seen, observation
         self._origin = start_m[:2] + course.start_error_m  # of all positions that are told
         self._step_s = step_s
         self._along = 0.0
@@ -57,6 +67,7 @@ class RouteInLoop:
         told[:, :2] -= self._origin
         seen[_ROUTE] = told.ravel()
         seen[_FIX] = 0.0, 0.0, NO_FIX, 0.0
+        self._guide = Guide(told, GUIDE_M, course.most_start_error_m)
 
     def measure(self, step: int, pose: Array, row: Array) -> None:
         """Fill the columns of a row, and the observation."""
@@ -65,6 +76,9 @@ class RouteInLoop:
         self._usbl.step(step, pose[:3])
         self._report(step, columns)
         columns[_BOAT : _BOAT + 3] = self._boat
+        row[_ERROR] = self._observation[_SEEN_ERROR] = self._way()
+        self._observation[STARTS["target_visible"]] = 1.0
+        self._observation[STARTS["target_age"]] = 0.0
 
     def _follow(self, position: Array, columns: Array) -> None:
         length = float(self._starts[-1])
@@ -81,6 +95,25 @@ class RouteInLoop:
         level = math.sqrt(ahead * ahead + side * side)
         starboard = (ahead * y - side * x) / level if level > 0.0 else 0.0
         columns[_ALONG : _ALONG + 5] = self._along, length, off, starboard, z
+
+    def _way(self) -> tuple[float, float, float]:
+        """Return how far to move to the point to steer for, by what the vehicle knows, body."""
+        seen = self._observation
+        sine, cosine = sincos(seen.item(_YAW))
+        fix_north, fix_east, age, sigma = self._seen[_FIX].tolist()
+        now = Measured(
+            t=seen.item(STARTS["t"]),
+            dt=self._step_s,
+            speeds=(seen.item(_SURGE), seen.item(_SURGE + 1)),
+            depth=seen.item(STARTS["depth"]),
+            yaw=(sine, cosine),
+            fix=(fix_north, fix_east),
+            fix_age=age,
+            fix_sigma=sigma,
+        )
+        self._guide.update(now)
+        north, east, down, _length = self._guide.to_aim()
+        return cosine * north + sine * east, cosine * east - sine * north, down
 
     def _report(self, step: int, columns: Array) -> None:
         fix, told = self._usbl.last, columns[_FIXED:_BOAT]

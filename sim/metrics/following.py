@@ -58,11 +58,21 @@ class Following(Window):
     @cached_property
     def followed(self) -> float:
         """Share of the route, 0 to 1, that was passed within each of the circles, averaged."""
-        gained = np.diff(self.along_m, prepend=0.0)
-        gained[gained > WINDOW_M] = 0.0  # it was out of reach, and joined the route farther on
-        inside = sum((self._error_m <= radius).astype(np.float64) for radius in CIRCLES_M)
-        lengths: list[float] = (gained * inside).tolist()
-        return sum(lengths) / (len(CIRCLES_M) * self.length_m)
+        shares: list[float] = share_followed(self.rows, 0.0).tolist()
+        return sum(shares)
+
+
+def share_followed(rows: Rows, along_m: float) -> Array:
+    """Return the share of the route that each row adds, (k,), averaged over the circles.
+
+    `along_m` is how far along the route the vehicle was before the first row.
+    """
+    gained = np.diff(rows[:, ROUTE_INDEX["route_along"]], prepend=along_m)
+    gained[gained > WINDOW_M] = 0.0  # it was out of reach, and joined the route farther on
+    errors = rows[:, ROUTE_INDEX["cross_track"]]
+    inside = sum((errors <= radius).astype(np.float64) for radius in CIRCLES_M)
+    shares: Array = gained * inside / (len(CIRCLES_M) * rows[0, ROUTE_INDEX["route_length"]])
+    return shares
 
 
 def _metric(

@@ -93,6 +93,7 @@ class FollowRoute(InCurrent[TrackConfiguration]):
             route_m=route,
             boat_m=_boat(here, start, shares[:2]),
             start_error_m=polar(here.start_error_m * math.sqrt(shares[2]), shares[3]),
+            most_start_error_m=here.start_error_m,
             noise=Noise(
                 period_steps=round(here.fix_period_s / here.control_period_s),
                 delay_s=here.fix_delay_s,

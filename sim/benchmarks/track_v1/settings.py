@@ -63,6 +63,11 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         source="room for routes that rise and fall by 2 m",
     )
     start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
+    control_heave: bool = override(
+        _SCENE["control_heave"],
+        True,
+        help="Whether PI also acts on z, so that it follows the depth of the route.",
+    )
     speed_m_s: float = setting(
         0.5,
         title="Speed along the route",

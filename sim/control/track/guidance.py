@@ -1,8 +1,6 @@
-"""Guidance along a route by line of sight: aim at a point of it that is ahead of the nearest one.
+"""Guidance along a route by line of sight: steer for a point of it ahead, at a set speed.
 
-The vehicle steers for that point at a set speed (Fossen 2021, ch. 12.3 to 12.6). The point where it
-has got to goes on along the route, never back, and never farther than a window at once, so that
-no part is skipped where two come near each other.
+Fossen 2021, ch. 12.3 to 12.6; the point is that of `guide.Guide`.
 """
 
 import math
@@ -10,26 +8,23 @@ from collections.abc import Mapping, Sequence
 from pkgutil import resolve_name
 from typing import Any
 
-import numpy as np
-
 from seamark.sim.control.observation import ROUTE_POINTS, Observation
 from seamark.sim.control.position.vehicle_model import AXES, DisturbanceObserver, VehicleModel
-from seamark.sim.control.track.navigation import Navigation
+from seamark.sim.control.track.navigation import measured
 
-WINDOW_M = 1.0  # as the benchmark has it
 HEADING_GAIN_1_S, YAW_RAD_S = 0.8, 0.4  # E
 SLOW_1_S = 0.7  # [1/s] speed for each metre that is left to the end; E
 # E: nearer to the end, and with less to turn the bow to, the heading stays.
 NEAR_M, WEAK_M_S = 0.3, 0.1
 FLOW_1_S, OBSERVER_1_S = 0.3, 1.0  # E: of the estimate of the current, and of the force behind it
 SPEED_GAIN_1_S = 1.0  # E
-HEAVE_1_S = 0.8  # [1/s] E
+Level = tuple[float, float]  # of the horizontal plane: north and east, or surge and sway
 
 
 class LineOfSight:
     """Course and heading towards a point `lookahead_m` ahead on the route; depth likewise.
 
-    Config: `speed_m_s`, `lookahead_m`.
+    Config: `speed_m_s`, `lookahead_m`, `start_error_m`.
     """
 
     label = "Line of sight"
@@ -37,68 +32,55 @@ class LineOfSight:
 
     def __init__(self, config: Mapping[str, Any]) -> None:
         self._speed, self._lookahead = config["speed_m_s"], config["lookahead_m"]
-        self._sincos = resolve_name("seamark.sim.numerics.libm:sincos")  # compiled: only for runs
+        self._start_error = config["start_error_m"]
+        # Compiled: only for runs.
+        self._sincos = resolve_name("seamark.sim.numerics.libm:sincos")
         self._atan2 = resolve_name("seamark.sim.numerics.libm:atan2")
-        self._polyline = resolve_name("seamark.sim.numerics.polyline")
-        self._navigation = Navigation(config["start_error_m"], fixes=self.fixes)
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Begin a level at the start of its route."""
-        self._navigation.reset()
-        self._along = 0.0
-        self._route: Any = None
-        self._here, self._aim = np.zeros(6), np.zeros(6)
+        self._guide: Any = None  # until the route is known
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
-        if self._route is None:
-            self._route = observation.route.reshape(ROUTE_POINTS, 3)
-            self._starts = self._polyline.starts_of(self._route)
+        if self._guide is None:
+            guide = resolve_name("seamark.sim.control.track.guide:Guide")
+            route = observation.route.reshape(ROUTE_POINTS, 3)
+            self._guide = guide(route, self._lookahead, self._start_error, fixes=self.fixes)
         yaw = observation.attitude.item(2)
         sine, cosine = self._sincos(yaw)
-        self._navigation.update(observation, sine, cosine)
-        position = np.array([*self._navigation.position, observation.depth])
-        length = float(self._starts[-1])
-        self._along, _off = self._polyline.nearest(
-            *(self._route, self._starts, position),
-            *(self._along, min(self._along + WINDOW_M, length), self._here),
-        )
-        self._polyline.at_length(
-            self._route, self._starts, self._along + self._lookahead, self._aim
-        )
-        north, east, down = self._velocity(position, length - self._along, observation.dt)
+        self._guide.update(measured(observation, sine, cosine))
+        north, east, down = self._velocity(observation.dt)
         surge, sway = cosine * north + sine * east, cosine * east - sine * north
         self._look_at_water(observation, sine, cosine)
-        rate = self._yaw_rate(self._bow((north, east)), yaw, length - self._along)
+        rate = self._yaw_rate(self._bow((north, east)), yaw)
         return [*self._level(observation, (surge, sway), sine, cosine), down, rate]
 
-    def _velocity(self, position: Any, left_m: float, dt: float) -> list[float]:
+    def _velocity(self, dt: float) -> list[float]:
         """Return the velocity that is wanted, north, east, down [m/s]."""
-        north, east, down = (self._aim[:3] - position).tolist()
-        distance = math.sqrt(north * north + east * east + down * down)
-        speed = min(self._speed, SLOW_1_S * max(left_m, distance - self._lookahead))
-        if left_m < self._lookahead:
-            speed = min(self._speed, SLOW_1_S * distance)
+        north, east, down, distance = self._guide.to_aim()
+        ends = self._guide.left_m < self._lookahead
+        speed = min(self._speed, SLOW_1_S * distance) if ends else self._speed
         share = speed / max(distance, 1e-6)
         return [share * north, share * east, share * down]
 
     def _look_at_water(self, observation: Observation, sine: float, cosine: float) -> None:
         """Estimate the current: not here."""
 
-    def _bow(self, wanted: tuple[float, float]) -> tuple[float, float]:
+    def _bow(self, wanted: Level) -> Level:
         """Return a vector north, east to which the bow should turn: the wanted velocity."""
         return wanted
 
     def _level(
-        self, observation: Observation, wanted: tuple[float, float], sine: float, cosine: float
+        self, observation: Observation, wanted: Level, sine: float, cosine: float
     ) -> Sequence[float]:
         """Return the references of surge and sway for velocities that are wanted [m/s]."""
         return wanted
 
-    def _yaw_rate(self, bow: tuple[float, float], yaw: float, left_m: float) -> float:
+    def _yaw_rate(self, bow: Level, yaw: float) -> float:
         """Return the yaw rate that turns the bow."""
         north, east = bow
-        if left_m < NEAR_M and math.sqrt(north * north + east * east) < WEAK_M_S:
+        if self._guide.left_m < NEAR_M and math.sqrt(north * north + east * east) < WEAK_M_S:
             return 0.0
         error: float = self._atan2(east, north) - yaw
         error -= 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
@@ -131,12 +113,12 @@ class IntegralLineOfSight(LineOfSight):
         super().reset(level)
         self._integral = [0.0, 0.0, 0.0]  # [m/s] NED
 
-    def _velocity(self, position: Any, left_m: float, dt: float) -> list[float]:
-        wanted = super()._velocity(position, left_m, dt)
-        off = (self._here[:3] - position).tolist()
+    def _velocity(self, dt: float) -> list[float]:
+        wanted = super()._velocity(dt)
+        off = (self._guide.here[:3] - self._guide.position).tolist()
         square = math.fsum(error * error for error in off)
         rate = self._lookahead**2 / (self._lookahead**2 + square) * self._gain
-        ahead = self._here[3:].tolist()
+        ahead = self._guide.here[3:].tolist()
         for axis in range(3):
             self._integral[axis] += rate * off[axis] * dt
         along = math.fsum(a * b for a, b in zip(self._integral, ahead, strict=True))
@@ -176,11 +158,11 @@ class IntoFlow(IntegralLineOfSight):
         for axis in AXES:
             self._current[axis] += FLOW_1_S * observation.dt * (seen[axis] - self._current[axis])
 
-    def _bow(self, wanted: tuple[float, float]) -> tuple[float, float]:
+    def _bow(self, wanted: Level) -> Level:
         return wanted[0] - self._current[0], wanted[1] - self._current[1]
 
     def _level(
-        self, observation: Observation, wanted: tuple[float, float], sine: float, cosine: float
+        self, observation: Observation, wanted: Level, sine: float, cosine: float
     ) -> Sequence[float]:
         """Return the references with which the thrusters balance the drag at the wanted speeds."""
         north, east = self._current

@@ -27,6 +27,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
         "seamark/VisualTracking-v1": "visibility-v1",
         "seamark/VisualTracking-v2": "visibility-v2",
         "seamark/Mission-v1": "mission-v1",
+        "seamark/Track-v1": "track-v1",
         "seamark/Recover-v1": "recover-v1",
         "seamark/Valve-v1": "valve-v1",
         "seamark/Connect-v1": "connect-v1",
