@@ -1,0 +1,142 @@
+"""Programs that do not navigate and follow stay at the bottom of track-v1."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.track_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.track_v1.settings import TrackConfiguration
+from seamark.sim.control.observation import ROUTE_POINTS, Observation
+from seamark.sim.control.track.guidance import Blind, LineOfSight
+from seamark.sim.engine.program import BuiltIn, Command
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.recording.telemetry import Rows
+
+pytestmark = pytest.mark.slow
+CONFIG = TrackConfiguration.read({"levels": [0.2]})
+SEED, TRIALS = 90, 6  # one of each vehicle and kind of route
+
+
+class Driver:
+    """A `Program` out of a controller; it keeps its commands."""
+
+    def __init__(self, controller: Any) -> None:
+        self._controller = controller
+        self.commands: list[Command] = []
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        self._controller.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        command = tuple(map(float, self._controller.step(Observation(values, route=True))))
+        self.commands.append(command)
+        return command
+
+
+class Playback:
+    """Repeats the commands of a run that it has seen."""
+
+    def __init__(self, commands: Sequence[Command]) -> None:
+        self._commands = commands
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        self._at = 0
+
+    def step(self, observation: Observation) -> Command:
+        self._at += 1
+        return self._commands[self._at - 1]
+
+
+class Shortcut(LineOfSight):
+    """Goes straight to the end of the route, with a guide that knows no other point."""
+
+    def step(self, observation: Observation) -> Sequence[float]:
+        if self._guide is None:
+            super().step(observation)
+            route = observation.route.reshape(ROUTE_POINTS, 3)
+            self._guide = type(self._guide)(
+                np.linspace(route[0], route[-1] + 0.1, ROUTE_POINTS), 1.0, 1.5
+            )
+        return super().step(observation)
+
+
+class Drifter:
+    """Lets the water carry it."""
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        pass
+
+    def step(self, observation: Observation) -> Command:
+        u, v, w = observation.velocity.tolist()
+        return (u, v, w, 0.0)
+
+
+def rows_of(program: Any, trial: int, seed: int = SEED) -> Rows:
+    rows: list[Array] = []
+    config = CONFIG.for_trial(trial)
+    EXPERIMENT.level(config, program, seed=seed, trial=trial, level=0).run(rows.append)
+    return np.concatenate(rows)
+
+
+def followed(program: Any, trial: int, seed: int = SEED) -> float:
+    rows = rows_of(program, trial, seed)
+    share: float = EXPERIMENT.metrics(CONFIG.for_trial(trial), 0, rows)["followed"]
+    return share
+
+
+def controller(kind: Any, trial: int) -> Driver:
+    return Driver(kind(CONFIG.for_trial(trial).for_program()))
+
+
+def on_average(kind: Any) -> float:
+    return float(np.mean([followed(controller(kind, t), t) for t in range(TRIALS)]))
+
+
+HONEST = 0.55  # what line of sight reaches at least on average
+
+
+@pytest.fixture(scope="module")
+def honest() -> float:
+    return on_average(LineOfSight)
+
+
+def test_a_program_that_navigates_by_fixes_follows_most_of_its_routes(honest: float) -> None:
+    assert honest > HONEST
+
+
+def test_dead_reckoning_alone_stays_far_behind(honest: float) -> None:
+    assert on_average(Blind) < 0.6 * honest
+
+
+def test_going_straight_to_the_end_earns_little(honest: float) -> None:
+    assert on_average(Shortcut) < 0.4 * honest
+
+
+def test_letting_the_water_carry_it_earns_next_to_nothing() -> None:
+    drifted = [followed(Driver(Drifter()), trial) for trial in range(TRIALS)]
+
+    assert np.mean(drifted) < 0.1
+
+
+def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(honest: float) -> None:
+    seen, again, elsewhere = [], [], []
+    for trial in range(TRIALS):
+        driver = controller(LineOfSight, trial)
+        seen.append(followed(driver, trial))
+        playback = Playback(driver.commands)
+        again.append(followed(Driver(playback), trial))
+        elsewhere.append(followed(Driver(playback), trial, seed=SEED + 1))
+
+    assert again == seen  # the same water, the same commands: the playback itself works
+    assert np.mean(elsewhere) < 0.2 * honest
+
+
+def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program() -> None:
+    config = CONFIG.for_trial(0)
+
+    assert followed(BuiltIn("los", config, task="track", route=True), 0) == followed(
+        controller(LineOfSight, 0), 0
+    )
