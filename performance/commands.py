@@ -53,6 +53,7 @@ OTHERS = {
     "headroom": "statistics.headroom.currents",
     "intervention_headroom": "statistics.headroom.interventions",
     "patterns_headroom": "statistics.headroom.patterns",
+    "route_headroom": "statistics.headroom.routes",
     "visibility_headroom": "statistics.headroom.visibility",
     "adversaries": "statistics.adversaries",
     "population": "statistics.population",

@@ -26,7 +26,7 @@ from seamark.sim.metrics.metric import (
 )
 from seamark.sim.metrics.windows import LOST_COLUMNS
 from seamark.sim.numerics.statistics import mean
-from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, Rows, has_route
 
 COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision scores 0
 Point = tuple[float, float, float]  # [m] NED
@@ -118,6 +118,11 @@ def path_following(rows: Rows, path: Sequence[Point], dt: float) -> dict[str, fl
             min(_to_segment(position, *segment) for segment in segments)
             for position in positions.tolist()
         ]
+    return path_errors(off, dt)
+
+
+def path_errors(off: Sequence[float], dt: float) -> dict[str, float]:
+    """Return IAE [m s], ISE [m² s] and mean [m] of distances to a path [m], one each `dt` [s]."""
     return {
         "iae": math.fsum(off) * dt,
         "ise": math.fsum(value * value for value in off) * dt,
@@ -164,7 +169,8 @@ def _lengths(vectors: Rows) -> list[float]:
 class Level:
     """The rows of a level, at least one, and what several metrics need of them.
 
-    The reference is the pose at which the level starts, above the target; it is the path too.
+    The reference is the pose at which the level starts, above the target; it is the path too, but
+    where a route is followed: there the path is the piece of the route that is due.
     """
 
     def __init__(self, rows: Rows) -> None:
@@ -184,6 +190,8 @@ class Level:
     @cached_property
     def path(self) -> Mapping[str, float]:
         """What `path_following` returns."""
+        if has_route(self.rows.shape[1]):
+            return path_errors(self.rows[:, ROUTE_INDEX["cross_track"]].tolist(), self.dt)
         return path_following(self.rows, [self._start()], self.dt)
 
     @cached_property

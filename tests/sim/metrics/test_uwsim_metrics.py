@@ -7,7 +7,7 @@ import pytest
 
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.metric import over_run
-from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
+from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, WIDTH, Rows, width_for
 
 
 def rows_of(count: int, **columns: list[float]) -> Rows:
@@ -123,3 +123,16 @@ def test_a_run_that_never_tracks_its_target_has_no_norm() -> None:
     level = uwsim_metrics.level_metrics(levels()[1][1:])
 
     assert math.isnan(over_run(uwsim_metrics.METRICS, [level, level])["corners"])
+
+
+def test_on_a_route_the_path_is_the_route() -> None:
+    rows = np.zeros((41, width_for(8, route=True)))
+    rows[:, INDEX["t"]] = 0.05 * np.arange(41)
+    rows[:, INDEX["x"]] = 7.0  # far from where the level starts
+    rows[:, ROUTE_INDEX["cross_track"]] = 0.5
+
+    found = uwsim_metrics.level_metrics(rows)
+
+    assert found["pathFollowingIAE"] == pytest.approx(41 * 0.05 * 0.5)
+    assert found["pathFollowingISE"] == pytest.approx(41 * 0.05 * 0.25)
+    assert found["distanceToPath"] == 0.5
