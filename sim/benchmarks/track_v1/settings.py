@@ -82,7 +82,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         applies={"controller": ("los", "ilos", "into-flow", "blind", "upload")},
     )
     lookahead_m: float = setting(
-        1.0,
+        0.6,
         title="Lookahead distance",
         help="How far ahead of the nearest point of the route the vehicle aims.",
         group="Guidance",
