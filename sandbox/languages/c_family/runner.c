@@ -60,7 +60,7 @@ static const struct field FIELDS[] = {
     {"touch", AT(touch), SEAMARK_MOST_JOINTS, 0},
     {"told", AT(told), 2, 0},
     {"confidence", AT(confidence), 1, 0},
-    {"route", AT(route), 3 * SEAMARK_ROUTE_POINTS, 0},
+    {"route", AT(route), 96, 0},
     {"fix", AT(fix), 2, 0},
     {"fix_age", AT(fix_age), 1, 0},
     {"fix_sigma", AT(fix_sigma), 1, 0},

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-enum { SEAMARK_MOST_JOINTS = 16, SEAMARK_ROUTE_POINTS = 32 };
+enum { SEAMARK_MOST_JOINTS = 16 };
 
 /* A read-only image. The pixel of row y and column x is pixels[(y * width + x) * channels]. The image
  * of an update stays valid during the next update, that of the start until the next start; that of a
@@ -61,8 +61,8 @@ typedef struct seamark_observation {
     double told[2];    /* [m] about where it is: north and east of where the vehicle started */
     double confidence; /* by the detector, that what the tracker has is the target; 0 to 1 */
     /* Where a route has to be followed: */
-    double route[3 * SEAMARK_ROUTE_POINTS]; /* [m] points joined by straight lines, north and east of
-                                               where the vehicle is said to have started, and depth */
+    double route[96]; /* [m] 32 points joined by straight lines, the same over a level: north and east
+                         of where the vehicle is said to have started, and depth of each */
     double fix[2];    /* [m] position by the last acoustic fix, north and east of the same place */
     double fix_age;   /* [s] since it was there; -1 before the first fix */
     double fix_sigma; /* [m] standard deviation of each of its two numbers */
