@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from tests.sim.benchmarks.track_v1 import test_bits as track_bits
 from tests.sim.camera import test_link_camera
 from tests.sim.camera.bottom import test_bottom
 from tests.sim.control.mpc import test_horizon
@@ -102,6 +103,7 @@ def main() -> None:
             partial(_run, test_upright_boxes.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, track_bits.PROGRAM, OLDEST_PROCESSOR),
         )
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             for done in [pool.submit(part) for part in parts]:

@@ -141,10 +141,6 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         """Return setting -> message for the rules between several settings."""
         return super().cross_field_errors() or self.grid_errors()
 
-    def ranking_errors(self) -> dict[str, str]:
-        """Return nothing: there is no tracker that could be the ground truth."""
-        return {}
-
     def for_program(self) -> dict[str, Any]:
         """Return the settings that a program is given: nothing that tells the current."""
         fields = type(self).model_fields

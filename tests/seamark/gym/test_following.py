@@ -1,6 +1,7 @@
 """The environment of a benchmark whose programs follow a route."""
 
 import warnings
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -30,7 +31,7 @@ def test_the_environment_passes_the_checks_of_gymnasium() -> None:
 
 
 def test_a_built_in_controller_earns_what_it_follows_and_leaves_the_rows_of_a_run() -> None:
-    env = gymnasium.make("seamark/Track-v1", settings=SHORT).unwrapped
+    env: Any = gymnasium.make("seamark/Track-v1", settings=SHORT).unwrapped
     entry = registry.benchmark("track-v1")
     config = entry.read(SHORT).for_trial(0)
     expert = LineOfSight(config.for_program())

@@ -1,0 +1,31 @@
+"""A run of track-v1 has the same bits in two processes, and on the oldest processor."""
+
+from collections.abc import Mapping
+
+import pytest
+
+from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed
+
+PROGRAM = """
+from seamark.sim import registry
+from seamark.sim.engine.trial import run_trial
+
+entry = registry.benchmark("track-v1")
+config = entry.read({"levels": [0.3], "level_duration_s": 10.0})
+for trial, controller in enumerate(("ilos", "into-flow", "oracle", "pi", "blind")):
+    program = entry.load().built_in(controller, config.for_trial(trial))
+    result = run_trial("track-v1", config, program, seed=5, trial=trial, on_rows=lambda rows: None)
+    print(result.digest)
+"""
+
+
+def digests(variables: Mapping[str, str]) -> list[str]:
+    return printed(PROGRAM, variables).splitlines()
+
+
+@pytest.mark.slow
+def test_routes_have_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
+    here, again = digests({"PYTHONHASHSEED": "1"}), digests({"PYTHONHASHSEED": "2"})
+
+    assert here == again == digests({**OLDEST_PROCESSOR, **NUMPY_OLDEST})
+    assert len(set(here)) == 5
