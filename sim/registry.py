@@ -64,6 +64,7 @@ TASK_CONTROLLERS = {
     "track": {
         "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
         "los": "seamark.sim.control.track.guidance:LineOfSight",
+        "mpc": "seamark.sim.control.track.mpc:RouteMpc",
         "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
         "pi": "seamark.sim.control.position.pi:Controller",
         "p": "seamark.sim.control.position.p:Controller",

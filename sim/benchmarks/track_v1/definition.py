@@ -36,11 +36,13 @@ CHARTS = (
 BUILT_IN = {
     "ilos": "Integral line of sight",
     "los": "Line of sight",
+    "mpc": "MPC along the route, bow into the flow",
     "into-flow": "Integral line of sight, bow into the flow",
     "pi": "PI on the way to a point ahead",
     "p": "P on the way to a point ahead",
 }
 REFERENCE_BUILT_IN = {
+    "mpc": "MPC along the route, bow into the flow",
     "into-flow": "Integral line of sight, bow into the flow",
     "pi": "PI on the way to a point ahead",
     "p": "P on the way to a point ahead",

@@ -79,7 +79,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         high=1,
         tag="E",
         source="twice what the time needs on average",
-        applies={"controller": ("los", "ilos", "into-flow", "blind", "upload")},
+        applies={"controller": ("los", "ilos", "into-flow", "mpc", "blind", "upload")},
     )
     lookahead_m: float = setting(
         0.6,

@@ -49,7 +49,11 @@ class Guide:
         self._along, _off = nearest(
             self._route, self._starts, self.position, self._along, last, self.here
         )
-        at_length(self._route, self._starts, self._along + self.lookahead_m, self.aim)
+        self.ahead(self.lookahead_m, self.aim)
+
+    def ahead(self, way_m: float, out: Array) -> None:
+        """Write the place on the route so far ahead of the nearest point to `out`, (6,)."""
+        at_length(self._route, self._starts, self._along + way_m, out)
 
     def to_aim(self) -> tuple[float, float, float, float]:
         """Return the way to the point to steer for: north, east, down and its length [m]."""

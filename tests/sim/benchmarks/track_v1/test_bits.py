@@ -12,7 +12,7 @@ from seamark.sim.engine.trial import run_trial
 
 entry = registry.benchmark("track-v1")
 config = entry.read({"levels": [0.3], "level_duration_s": 10.0})
-for trial, controller in enumerate(("ilos", "into-flow", "oracle", "pi", "blind")):
+for trial, controller in enumerate(("ilos", "mpc", "oracle", "pi", "blind")):
     program = entry.load().built_in(controller, config.for_trial(trial))
     result = run_trial("track-v1", config, program, seed=5, trial=trial, on_rows=lambda rows: None)
     print(result.digest)
