@@ -30,7 +30,8 @@ class RouteMpc(IntoFlow):
     label = "MPC along the route, bow into the flow"
 
     def __init__(self, config: Mapping[str, Any]) -> None:
-        super().__init__(config | {"lookahead_m": config["speed_m_s"], "integral_gain": 0.0})
+        own = {"lookahead_m": config["speed_m_s"], "integral_gain": 0.0}
+        super().__init__({**config, **own})
         model, dt = self._model, config["control_period_s"]
         self._thrusters = Thrusters(config["vehicle"])
         horizon = resolve_name("seamark.sim.control.mpc.horizon")  # compiled: only for runs
