@@ -197,6 +197,11 @@ class Benchmark:
         return self.shared_trials if self.protocol is None else self.protocol.trials
 
     @property
+    def has_data_sets(self) -> bool:
+        """Whether a data set can be made of the images of a trial."""
+        return self.role != "detector" and not self.follows_route
+
+    @property
     def stage_labels(self) -> tuple[str, ...]:
         """Labels of the stages of a level, if it has some."""
         return tuple(stage.label for stage in self.stages.stages) if self.stages else ()

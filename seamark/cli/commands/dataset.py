@@ -121,7 +121,9 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
 
 def _refuse_what_does_not_apply(context: click.Context, benchmark: str, *, detectors: bool) -> None:
-    """Refuse options of the other kind of benchmark."""
+    """Refuse a benchmark without images, and options of the other kind of benchmark."""
+    if benchmark_of(benchmark).follows_route:
+        raise UsageRefused(f"{benchmark} has no data set: nothing in it is done by images.")
     given = [
         option.opts[0]
         for option in context.command.params

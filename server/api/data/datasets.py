@@ -53,7 +53,13 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             f"The images of a ranked run would reveal the hidden seeds of {view.benchmark}, which "
             "other runs have too. Start a practice run with the same configuration instead.",
         )
-    if registry.benchmark(view.benchmark).role == "detector":
+    benchmark = registry.benchmark(view.benchmark)
+    if benchmark.follows_route:
+        raise Problem(
+            "conflict",
+            f"A run of {view.benchmark} has no data set: nothing in it is done by images.",
+        )
+    if benchmark.role == "detector":
         raise Problem(
             "conflict",
             f"A run of {view.benchmark} has no data set. "

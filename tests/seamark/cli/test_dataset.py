@@ -51,3 +51,11 @@ def test_wrong_usage_ends_with_a_message_and_leaves_no_file(
     assert refused.exit_code == 2
     assert says in refused.output
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_benchmark_of_routes_has_no_data_set(tmp_path: Path) -> None:
+    done = CliRunner().invoke(cli, ["dataset", "track-v1", "--out", str(tmp_path / "a.zip")])
+
+    assert done.exit_code == 2
+    assert "track-v1 has no data set" in done.stderr
+    assert not [*tmp_path.iterdir()]

@@ -21,7 +21,7 @@ from seamark.sim.settings.configuration import Configuration
 from seamark.sim.trackers import make
 
 SEED = 4
-NAMES = [name for name in registry.BENCHMARKS if registry.benchmark(name).role != "detector"]
+NAMES = [name for name in registry.BENCHMARKS if registry.benchmark(name).has_data_sets]
 
 
 @pytest.fixture(scope="module", params=NAMES)

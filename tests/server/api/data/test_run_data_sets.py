@@ -54,3 +54,12 @@ def test_a_run_of_a_detector_has_no_data_set_but_says_how_to_draw_images(site: S
 
     assert answer.status_code == 409
     assert "seamark dataset patterns-v1 --images" in json.loads(answer.data)["detail"]
+
+
+def test_a_run_on_a_route_has_no_data_set(site: Site) -> None:
+    run_id = site.succeeded(benchmark="track-v1", controller="built-in", title="")
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
+
+    assert answer.status_code == 409
+    assert "nothing in it is done by images" in json.loads(answer.data)["detail"]
