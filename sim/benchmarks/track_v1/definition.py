@@ -65,6 +65,7 @@ BENCHMARK = Benchmark(
     reference_built_in=REFERENCE_BUILT_IN,
     experiment="seamark.sim.benchmarks.track_v1.experiment:EXPERIMENT",
     headline=Metric("score", "Followed up to", "m/s", "higher"),
+    scale=(0.012, 0.698),  # ./run performance route_headroom
     score_bar_max=0.8,
     level_held_unit="m/s",
     error_column="cross_track",

@@ -57,7 +57,7 @@ def test_a_run_of_a_detector_has_no_data_set_but_says_how_to_draw_images(site: S
 
 
 def test_a_run_on_a_route_has_no_data_set(site: Site) -> None:
-    run_id = site.succeeded(benchmark="track-v1", controller="built-in", title="")
+    run_id = site.succeeded(benchmark="track-v1", controller="ilos")
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
 
