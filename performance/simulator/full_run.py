@@ -59,6 +59,7 @@ _WITH_ARM = tuple(
     for name in ("recover-v1", "valve-v1", "connect-v1")
 )
 _MISSION = _Case("mission-v1", {}, 720.0)  # a whole trial
+_ROUTE = _Case("track-v1", {}, 600.0)  # a whole trial
 # None of them is called within another one.
 _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
     "rendering": ((Camera, "region"), (ArmCamera, "follow")),
@@ -84,6 +85,9 @@ def rows() -> list[Row]:
         isolation = probe().level
         measured = _measure(_STATION, "built-in PI", "pi", IsolationLevel.NONE)
         measured += _measure(_MISSION, "mission-v1, built-in chain", "chain", IsolationLevel.NONE)
+        for built_in in ("ilos", "mpc"):
+            name = f"track-v1, built-in {built_in}"
+            measured += _measure(_ROUTE, name, built_in, IsolationLevel.NONE)
         if isolation >= IsolationLevel.MEDIUM:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"

@@ -21,6 +21,8 @@ class Guide:
     ----------
     position : (3,) [m]
         North and east by `Navigation`, and depth.
+    along_m : float
+        How far along the route the vehicle has got.
     here, aim : (6,)
         Where the vehicle has got to on the route, and the point to steer for: position [m] and
         direction of the route.
@@ -33,27 +35,31 @@ class Guide:
         self._route, self._starts = route, starts_of(route)
         self.lookahead_m = lookahead_m
         self._navigation = Navigation(start_error_m, fixes=fixes)
-        self._along = 0.0
+        self.along_m = 0.0
         self.position, self.here, self.aim = np.zeros(3), np.zeros(6), np.zeros(6)
 
     @property
     def left_m(self) -> float:
         """How much of the route is left [m]."""
-        return float(self._starts[-1]) - self._along
+        return float(self._starts[-1]) - self.along_m
 
     def update(self, now: Measured) -> None:
         """Take the measurements of a step."""
         self._navigation.update(now)
         self.position[:] = *self._navigation.position, now.depth
-        last = min(self._along + WINDOW_M, float(self._starts[-1]))
-        self._along, _off = nearest(
-            self._route, self._starts, self.position, self._along, last, self.here
+        last = min(self.along_m + WINDOW_M, float(self._starts[-1]))
+        self.along_m, _off = nearest(
+            self._route, self._starts, self.position, self.along_m, last, self.here
         )
-        self.ahead(self.lookahead_m, self.aim)
+        at_length(self._route, self._starts, self.along_m + self.lookahead_m, self.aim)
 
-    def ahead(self, way_m: float, out: Array) -> None:
-        """Write the place on the route so far ahead of the nearest point to `out`, (6,)."""
-        at_length(self._route, self._starts, self._along + way_m, out)
+    def places(self, way_m: float, beyond: int) -> Array:
+        """Return places on the route so far apart, (k, 6), and two and `beyond` more of the end."""
+        count = int(float(self._starts[-1]) / way_m) + 3 + beyond
+        out = np.empty((count, 6))
+        for i in range(count):
+            at_length(self._route, self._starts, i * way_m, out[i])
+        return out
 
     def to_aim(self) -> tuple[float, float, float, float]:
         """Return the way to the point to steer for: north, east, down and its length [m]."""
