@@ -14,7 +14,7 @@ from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import Level, TrialPlan, TrialScore
-from seamark.sim.engine.level_current import level_current, site_of
+from seamark.sim.engine.level_current import level_current, level_stretch, site_of
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.program import BuiltIn
@@ -52,8 +52,14 @@ class Visibility:
         return {"role": "tracker"}
 
     def plan(self, config: VisibilityConfiguration, *, seed: int, trial: int) -> TrialPlan:
-        """Return that the levels run as listed."""
-        return TrialPlan(order=tuple(range(len(config.level_values()))))
+        """Return that the levels run as listed, and which stretch of a record each has."""
+        order = tuple(range(len(config.level_values())))
+        site, told = site_of(config, 0.0), []
+        for level in order if config.mode == "free" else ():
+            random = streams(seed, trial, level)
+            stretch = level_stretch(config, site, config.current_m_s, random)
+            told.append(None if stretch is None else stretch._asdict())
+        return TrialPlan(order=order, conditions={"stretches": told} if any(told) else {})
 
     def level(
         self,
