@@ -47,6 +47,8 @@ ADJUSTABLE = frozenset({"trackers", "leaderboard", "many_runs", "fake_runs", "cl
 # long, and is not part of `all`.
 OTHERS = {
     "validation": "simulator.validation.page",
+    "vehicle_versions": "simulator.validation.versions",
+    "entry_order": "simulator.validation.entries",
     "floating_arm": "simulator.validation.floating_arm.records",
     "paper_figures": "simulator.validation.experiment",
     "visibility": "perception.visibility.measurement",

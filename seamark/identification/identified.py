@@ -153,7 +153,10 @@ def _held_out(
     lost = sorted({axis_of(int(one)) for one in np.flatnonzero(free & ~own)})
     if not own.any():
         return None, tuple(MOTIONS[axis] for axis in lost)
-    fitted = _bounded(first, vehicle, fit(first, vehicle, own, start=start))
+    try:
+        fitted = _bounded(first, vehicle, fit(first, vehicle, own, start=start))
+    except LogRefused:  # the first part alone is too short to come to an end
+        return None, ()
     sigma = noise(last)
     residuals = [
         residuals_of(last, vehicle, values, sigma)

@@ -16,6 +16,7 @@ from seamark.identification.fit import fit
 from seamark.identification.parameters import COUNT, name_of, parameters_of, vehicle_with
 from seamark.identification.series import series_of
 from seamark.identification.whiteness import is_white
+from seamark.mission_logs.result import LogRefused
 from seamark.sim.numerics.arrays import Array, Flags
 from seamark.sim.vehicles import load
 
@@ -51,10 +52,15 @@ def main(arguments: Sequence[str]) -> int:
     """Print the shares."""
     repetitions = int(arguments[0]) if arguments else REPETITIONS
     noise = float(arguments[1]) if len(arguments) > 1 else 1.0
-    counts = np.zeros(COUNT)
+    counts, answered = np.zeros(COUNT), 0
     for seed in range(repetitions):
-        counts += held(seed, noise=noise)
-        if (seed + 1) % 20 == 0:
-            print(f"{seed + 1}: {100.0 * counts.mean() / (seed + 1):.2f} %", flush=True)
-    print(table(100.0 * counts / repetitions, repetitions))
+        try:
+            counts += held(seed, noise=noise)
+        except LogRefused as reason:
+            print(f"seed {seed} is refused: {reason}", flush=True)
+            continue
+        answered += 1
+        if answered % 20 == 0:
+            print(f"{answered}: {100.0 * counts.mean() / answered:.2f} %", flush=True)
+    print(table(100.0 * counts / max(answered, 1), answered))
     return 0

@@ -1,0 +1,109 @@
+"""Does the order of entries depend on the version of the BlueROV2?
+
+Runs the reference entries of `currents-v2` on both versions with the same seed, and keeps their
+scores in `entries.json` beside this file, from which the page is written.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+
+from performance.tables import markdown_table
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.numerics.statistics import mean, mean_interval
+from seamark.sim.registry import benchmark
+
+FILE = Path(__file__).with_name("entries.json")
+BENCHMARK = "currents-v2"
+VERSIONS = ("bluerov2-heavy", "bluerov2-heavy-v2")
+SEED, TRIALS = 2027, 3
+LEVELS, DURATION_S = [0.1, 0.3, 0.5, 0.7], 40.0
+SETTINGS = {  # few levels, and the tracker that knows the truth: the order of controllers alone
+    "tracker": "truth",
+    "levels": LEVELS,
+    "level_duration_s": DURATION_S,
+}
+Scores = Mapping[str, Mapping[str, Sequence[float]]]  # vehicle -> entry -> score of each trial
+
+
+def scores_of(vehicle: str, entry: str) -> list[float]:
+    """Return the scores [m/s] of one entry on one vehicle, by trial."""
+    definition = benchmark(BENCHMARK)
+    baseline = definition.baselines[entry]
+    config = definition.read({**baseline.config, **SETTINGS, "vehicle": vehicle})
+    scores = []
+    for trial in range(TRIALS):
+        solution = definition.load().built_in(baseline.built_in, config.for_trial(trial))
+        result = run_trial(
+            BENCHMARK, config, solution, seed=SEED, trial=trial, on_rows=lambda _rows: None
+        )
+        scores.append(float(result.score))
+    return scores
+
+
+def main(_arguments: Sequence[str]) -> int:
+    """Measure all entries on both versions and store their scores."""
+    measured: dict[str, dict[str, list[float]]] = {vehicle: {} for vehicle in VERSIONS}
+    for entry in benchmark(BENCHMARK).baselines:
+        for vehicle in VERSIONS:
+            measured[vehicle][entry] = scores_of(vehicle, entry)
+            print(entry, vehicle, measured[vehicle][entry], flush=True)
+        FILE.write_text(json.dumps(measured, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+def stored() -> Scores:
+    """Return the scores that were stored."""
+    scores: Scores = json.loads(FILE.read_text(encoding="utf-8"))
+    return scores
+
+
+def kendall(first: Sequence[float], second: Sequence[float]) -> float:
+    """Return Kendall's tau (a): of all pairs, those in the same order less those in the other."""
+    pairs = list(combinations(range(len(first)), 2))
+    same = sum(_sign(first[a] - first[b]) * _sign(second[a] - second[b]) for a, b in pairs)
+    return same / len(pairs)
+
+
+def _sign(value: float) -> int:
+    return (value > 0.0) - (value < 0.0)
+
+
+def ranks(scores: Mapping[str, Sequence[float]]) -> dict[str, int]:
+    """Return the rank of each entry by its mean, 1 for the best."""
+    order = sorted(scores, key=lambda entry: -mean(scores[entry]))
+    return {entry: at for at, entry in enumerate(order, start=1)}
+
+
+def text() -> str:
+    """Return the table and what it says."""
+    scores = stored()
+    first, second = (scores[vehicle] for vehicle in VERSIONS)
+    places = ranks(first), ranks(second)
+    rows = [
+        (entry, *(cell for one, own in zip((first, second), places, strict=True)
+                  for cell in (str(own[entry]), _held(one[entry]))))
+        for entry in sorted(first, key=lambda entry: places[0][entry])
+    ]  # fmt: skip
+    tau = kendall([mean(first[one]) for one in first], [mean(second[one]) for one in first])
+    moved = [entry for entry in first if places[0][entry] != places[1][entry]]
+    says = f"The order of {len(first)} reference entries agrees with Kendall's tau {tau:.2f}; " + (
+        f"other places have {', '.join(moved)}." if moved else "no entry changes its place."
+    )
+    header = ("entry", "place, first", "holds [m/s]", "place, second", "holds [m/s]")
+    method = (
+        f"Method: `{BENCHMARK}`, seed {SEED}, trials 0 to {TRIALS - 1}, levels of "
+        f"{', '.join(f'{level:g}' for level in LEVELS)} m/s for {DURATION_S:g} s each, the tracker "
+        "that knows the truth; mean and 95 % interval over the trials. Differences smaller than "
+        "the intervals "
+        "are no order."
+    )
+    return "\n\n".join([f"**{says}**", markdown_table(header, rows), method])
+
+
+def _held(scores: Sequence[float]) -> str:
+    interval = mean_interval(list(scores))
+    if interval is None:
+        return f"{mean(scores):.3f}"
+    return f"{mean(scores):.3f} ({interval[0]:.3f} to {interval[1]:.3f})"
