@@ -20,6 +20,7 @@ FOLDER = Path(server.__file__).parents[1] / "docs"
 ATTACHED = {
     ".hpp": "text/plain; charset=utf-8",
     ".png": "image/png",
+    ".svg": "image/svg+xml",
     ".txt": "text/plain; charset=utf-8",
     ".webp": "image/webp",
 }
