@@ -14,7 +14,8 @@ from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import Vehicle, load
 
-DIRECTIONS_DEG = tuple(range(0, 181, 15))  # both sides are alike
+DIRECTIONS_DEG = tuple(range(0, 181, 15))  # from the bow, to starboard and to port
+SIDES = {"starboard": 1, "port": -1}
 BALANCED = [0, 1, 2, 5]  # surge, sway, heave, yaw
 FASTEST_M_S = 2.0
 BISECTIONS = 12  # to half a millimetre per second
@@ -47,8 +48,14 @@ def table() -> str:
     """Return the table, in Markdown."""
     vehicles = [load(name) for name in SINGLE]
     lines = [
-        [f"{degrees}°", *(f"{limit(vehicle, np.radians(degrees)):.2f}" for vehicle in vehicles)]
+        [f"{degrees}°", *(limits_of(vehicle, degrees) for vehicle in vehicles)]
         for degrees in DIRECTIONS_DEG
     ]
     head = ["current from", *(f"{vehicle.title} [m/s]" for vehicle in vehicles)]
     return markdown_table(head, lines)
+
+
+def limits_of(vehicle: Vehicle, degrees: float) -> str:
+    """Return the limit of a direction [m/s]; of both sides, starboard first, if they differ."""
+    both = [f"{limit(vehicle, side * np.radians(degrees)):.2f}" for side in SIDES.values()]
+    return " / ".join(dict.fromkeys(both))

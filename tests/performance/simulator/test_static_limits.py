@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from performance.simulator.static_limits import DIRECTIONS_DEG, limit
+from performance.simulator.static_limits import DIRECTIONS_DEG, SIDES, limit
 from seamark.sim.benchmarks.currents_v2.settings import ALTERNATING, CurrentsConfiguration
 from seamark.sim.vehicles import load
 
@@ -13,10 +13,10 @@ from seamark.sim.vehicles import load
 def test_from_abeam_the_one_sway_thruster_of_a_girona_balances_the_drag() -> None:
     vehicle = load("girona500")
     linear, quadratic = vehicle.linear_drag()[1], vehicle.quadratic_drag()[1]
-    most, _reverse = vehicle.curve.limits.value
 
-    expected = (math.sqrt(linear**2 + 4.0 * quadratic * most) - linear) / (2.0 * quadratic)
-    assert limit(vehicle, math.pi / 2) == pytest.approx(expected, abs=1e-3)
+    for side, most in zip(SIDES.values(), vehicle.curve.limits.value, strict=True):
+        expected = (math.sqrt(linear**2 + 4.0 * quadratic * most) - linear) / (2.0 * quadratic)
+        assert limit(vehicle, side * math.pi / 2) == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.slow
@@ -25,5 +25,7 @@ def test_the_strongest_level_of_currents_v2_is_beyond_the_limit_but_for_the_bow(
     strongest = max(CurrentsConfiguration.read({}).levels)
 
     assert all(
-        limit(load(name), math.radians(degrees)) < strongest for degrees in DIRECTIONS_DEG[1:]
+        limit(load(name), side * math.radians(degrees)) < strongest
+        for degrees in DIRECTIONS_DEG[1:]
+        for side in SIDES.values()
     )
