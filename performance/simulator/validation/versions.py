@@ -183,8 +183,7 @@ OTHER_VERDICTS = (
         "station keeping of a BlueROV2 in a swimming pool",
         "González-García et al. 2022, Sensors 22(12) 4347, <https://doi.org/10.3390/s22124347>: "
         "RMSE of 1 to 4 cm in depth against a thruster that pushes it aside",
-        "Not comparable: that disturbance is one thruster's and its force is not in the abstract; "
-        "only the order of magnitude is that of our controllers.",
+        "Not comparable: that disturbance is one thruster's, and its force is not in the abstract.",
     ),
     (
         "docking",
@@ -210,7 +209,8 @@ DATA_SETS = (
     (
         "Khanmeh et al., motion capture of a BlueROV2 and its tether (PMC12808086)",
         "motion, sensors on board, tension of the tether",
-        "In the same way; the tension belongs into `force_x` to `moment_z`. We have not seen it.",
+        "In the same way, if the tether is slack: a tension that is logged beside the thrusters' "
+        "commands cannot be given yet. We have not seen it.",
     ),
     (
         "Schillai 2017, Delphin2, <https://doi.org/10.5258/SOTON/D1157> (CC BY)",

@@ -9,9 +9,10 @@ ENTRY = benchmark("track-v1")
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("tracker", "klt"), ("target", "plain"), ("range_from", "start")]
+    ("name", "value"),
+    [("tracker", "klt"), ("target", "plain"), ("range_from", "start"), ("start_error_px", 1.0)],
 )
-def test_a_setting_of_camera_or_tracker_is_none_of_this_benchmark(name: str, value: str) -> None:
+def test_a_setting_of_camera_or_tracker_is_none_of_this_benchmark(name: str, value: object) -> None:
     assert name not in ENTRY.schema()["properties"]
     with pytest.raises(ConfigurationInvalid) as refused:
         ENTRY.read({name: value})
