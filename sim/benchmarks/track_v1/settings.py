@@ -62,9 +62,8 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         tag="E",
         source="room for routes that rise and fall by 2 m",
     )
-    start_error_px: float = override(
-        _SCENE["start_error_px"], 0.0, group="Tracker"
-    )  # which this benchmark does not have
+    # Of a tracker, whose group this benchmark leaves out.
+    start_error_px: float = override(_SCENE["start_error_px"], 0.0, group="Tracker")
     start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
     control_heave: bool = override(
         _SCENE["control_heave"],
