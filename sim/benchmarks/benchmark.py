@@ -10,7 +10,7 @@ from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup, over_wh
 from seamark.sim.metrics.stages import Stage
 from seamark.sim.settings.configuration import Configuration, schema_of
 from seamark.sim.settings.refusal import ConfigurationInvalid
-from seamark.sim.settings.setting import group_of, schema_extras
+from seamark.sim.settings.setting import schema_extras
 
 if TYPE_CHECKING:
     from seamark.sim.engine.experiment import Experiment
@@ -234,19 +234,7 @@ class Benchmark:
         for name, choices in self.presets.items():
             chosen = values.get(name)
             preset |= choices.get(str(chosen), self.configuration.preset(name, chosen))
-        config = self.configuration.read({**preset, **values})
-        if errors := self._unused_errors(config, values):
-            raise ConfigurationInvalid(errors)
-        return config
-
-    def _unused_errors(self, config: Configuration, values: Mapping[str, object]) -> dict[str, str]:
-        """Return setting -> message for values of settings that this benchmark does not use."""
-        errors: dict[str, str] = {}
-        for name, declared in self.configuration.model_fields.items():
-            changed = name in values and getattr(config, name) != declared.get_default()
-            if changed and group_of(declared) not in self.groups:
-                errors[name] = f"{name} is not a setting of this benchmark; leave it out."
-        return errors
+        return self.configuration.read({**preset, **values})
 
     def restore(self, values: Mapping[str, object]) -> Configuration:
         """Return the configuration of a stored run; never refuses one (`Configuration.restore`)."""

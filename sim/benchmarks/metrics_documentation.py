@@ -43,7 +43,8 @@ ORIGINAL: Mapping[str, tuple[str, str]] = {
     ),
     "pathFollowing": (
         "What it calls ISE adds distance times dt: that is the IAE.",
-        "`pathFollowingIAE` and a true `pathFollowingISE`. The path of a level is its station; "
+        "`pathFollowingIAE` and a true `pathFollowingISE`. The path of a level is its station, in "
+        "`track-v1` the piece of the route that is due; "
         "`seamark.sim.metrics.uwsim_metrics.path_following` takes any polyline.",
     ),
     "reconstruction3D": (

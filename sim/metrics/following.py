@@ -114,7 +114,7 @@ CROSS_TRACK: LevelMetric[Following] = LevelMetric(
     over=RMS,
     compute=lambda level: root_mean_square(level.error_m),
 )
-METRICS: tuple[LevelMetric[Following], ...] = (
+_OWN: tuple[LevelMetric[Following], ...] = (
     QUALITY,
     PROGRESS,
     CROSS_TRACK,
@@ -148,8 +148,7 @@ METRICS: tuple[LevelMetric[Following], ...] = (
         "time at which the route was completed; the whole level, if it was not",
         lambda level: level.steps * level.dt,
     ),
-    POWER,
-    ENERGY,
 )
-GROUP = MetricGroup("Following a route", METRICS)
+GROUP = MetricGroup("Following a route", _OWN)
+METRICS = (*_OWN, POWER, ENERGY)
 HELD = Metric("held", "Held", "", "higher", meaning=f"followed of at least {HELD_QUALITY:g}")

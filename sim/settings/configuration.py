@@ -4,15 +4,17 @@ import difflib
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
     ConfigDict,
+    SerializerFunctionWrapHandler,
     TypeAdapter,
     ValidationError,
     ValidationInfo,
     field_validator,
+    model_serializer,
 )
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
@@ -28,6 +30,7 @@ from seamark.sim.settings.setting import (
     schema_extras,
 )
 
+UNUSED = "{} is not a setting of this benchmark; leave it out."
 _MESSAGES_MAX = 20  # each unknown setting is compared with all known ones, and may list them
 _DECIMAL_COMMA = re.compile(r"\s*(-?\d+),(\d+)\s*")
 _ADAPTERS: dict[object, TypeAdapter[Any]] = {
@@ -39,6 +42,22 @@ class Configuration(BaseModel, ABC):
     """Base of all configurations: no unknown setting, no infinite number."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    # Groups of inherited settings that have no meaning here: nobody can set them, and they are not
+    # part of what is stored.
+    unused_groups: ClassVar[frozenset[str]] = frozenset()
+
+    @classmethod
+    def settings(cls) -> dict[str, FieldInfo]:
+        """Return name -> declaration of the settings, without those of unused groups."""
+        fields = cls.model_fields.items()
+        return {name: field for name, field in fields if group_of(field) not in cls.unused_groups}
+
+    @model_serializer(mode="wrap")
+    def _without_unused(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        values: dict[str, Any] = serialise(self)
+        known = type(self).settings()
+        return {name: value for name, value in values.items() if name in known}
 
     @field_validator("*", mode="before")
     @classmethod
@@ -163,6 +182,9 @@ class Configuration(BaseModel, ABC):
         ConfigurationInvalid
             With one message per wrong setting, all of them at once.
         """
+        unused = cls.model_fields.keys() - cls.settings().keys()
+        if wrong := {name: UNUSED.format(name) for name in values if name in unused}:
+            raise ConfigurationInvalid(wrong)
         try:
             configuration = cls(**{str(key): value for key, value in values.items()})
         except ValidationError as error:
@@ -182,7 +204,7 @@ class Configuration(BaseModel, ABC):
         """
         known: dict[str, Any] = {
             name: _converted(values[name], field)
-            for name, field in cls.model_fields.items()
+            for name, field in cls.settings().items()
             if name in values
         }
         return cls.model_construct(None, **known)
@@ -217,10 +239,10 @@ def _messages(cls: type[Configuration], invalid: ValidationError) -> dict[str, s
 
 
 def _message(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
-    field = cls.model_fields.get(name)
+    field = cls.settings().get(name)
     if field is None:
-        near = difflib.get_close_matches(name, cls.model_fields, n=1)
-        known = f"the settings are: {', '.join(cls.model_fields)}."
+        near = difflib.get_close_matches(name, cls.settings(), n=1)
+        known = f"the settings are: {', '.join(cls.settings())}."
         hint = f"did you mean {near[0]}?" if near else known
         return f"{name} is not a setting of this benchmark; {hint}"
     value = error["input"]
@@ -231,12 +253,8 @@ def _message(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
 
 
 def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group.
-
-    Settings of other groups are left out: the benchmark does not use them.
-    """
-    used = [item for item in cls.model_fields.items() if group_of(item[1]) in groups]
-    order = sorted(used, key=lambda item: groups.index(group_of(item[1])))
+    """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group."""
+    order = sorted(cls.settings().items(), key=lambda item: groups.index(group_of(item[1])))
     properties = {name: property_of(name, field) for name, field in order}
     for name, entry in properties.items():
         if applies := cls.applies(name):

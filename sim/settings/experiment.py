@@ -145,7 +145,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         if not cls.accepts(name, value):
             return {}
         defaults = load(str(value)).defaults
-        return {key: default for key, default in defaults.items() if key in cls.model_fields}
+        return {key: default for key, default in defaults.items() if key in cls.settings()}
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""

@@ -59,7 +59,7 @@ def solution_label(config: Mapping[str, object]) -> str:
 
 BENCHMARK = Benchmark(
     name="patterns-v1",
-    title="Pattern recognition in turbid water",
+    title="Patterns in turbid water",
     summary=(
         "Recognise a box, an amphora, a pipe, a panel, a connector, an anode and two kinds of "
         "markers among decoys on a sea bottom, in water of rising turbidity."

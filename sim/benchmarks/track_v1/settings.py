@@ -28,6 +28,8 @@ _SCENE = TrialSpreadSettings.model_fields
 class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
     """Settings of track-v1. Seed, trials and controller are not part of it."""
 
+    unused_groups = frozenset({"Tracker", "Station keeper", "Water and camera"})
+
     vehicle: str = experiment_setting(
         BOTH,
         title="Vehicle",
@@ -62,7 +64,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         tag="E",
         source="room for routes that rise and fall by 2 m",
     )
-    # Of a tracker, whose group this benchmark leaves out.
+    # Of a tracker, which this benchmark does not have.
     start_error_px: float = override(_SCENE["start_error_px"], 0.0, group="Tracker")
     start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
     control_heave: bool = override(
@@ -131,7 +133,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         """Return the configuration of one trial, with its vehicle and its kind of route."""
         vehicles = self.vehicles()
         name = vehicles[trial % len(vehicles)]
-        known = type(self).model_fields
+        known = type(self).settings()
         defaults = {key: value for key, value in load(name).defaults.items() if key in known}
         if self.vehicle != BOTH:
             defaults = {}
