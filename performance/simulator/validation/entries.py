@@ -17,11 +17,12 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.engine.warm_up import warm_up
 from seamark.sim.numerics.statistics import mean, mean_interval, percentile
 from seamark.sim.registry import benchmark
+from seamark.sim.vehicles import load
 
 FILE = Path(__file__).with_name("entries.json")
 BENCHMARK = "currents-v2"
 VERSIONS = ("bluerov2-heavy", "bluerov2-heavy-v2")
-SEED, TRIALS, PROCESSES = 2027, 24, 2
+SEED, TRIALS, PROCESSES = 2027, 12, 2
 SETTINGS = {"tracker": "truth"}  # the order of controllers alone
 RESAMPLES = 1000  # of the trials, for the interval of tau
 OfVehicle = Mapping[str, Sequence[float]]  # entry -> score of each trial
@@ -32,7 +33,9 @@ def scores_of(vehicle: str, entry: str) -> list[float]:
     """Return the scores [m/s] of one entry on one vehicle, by trial, rounded to what is shown."""
     definition = benchmark(BENCHMARK)
     baseline = definition.baselines[entry]
-    config = definition.read({**baseline.config, **SETTINGS, "vehicle": vehicle})
+    # With what a ranked run sets for this vehicle, such as that its tilt is held.
+    own = load(vehicle).defaults
+    config = definition.read({**own, **baseline.config, **SETTINGS, "vehicle": vehicle})
     scores = []
     for trial in range(TRIALS):
         solution = definition.load().built_in(baseline.built_in, config.for_trial(trial))
