@@ -7,6 +7,7 @@ import pytest
 
 from performance.statistics.identification.coverage import held
 from performance.statistics.identification.tank_day import log_of
+from seamark.identification import fit as fit_module
 from seamark.identification.fit import excited, fit, noise
 from seamark.identification.parameters import COUNT, parameters_of, vehicle_with
 from seamark.identification.series import series_of
@@ -42,6 +43,23 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
     # With 95 %, five logs hold at most half of all in less than one case of 10,000: masses and
     # drags share a factor, so their errors come together.
     assert np.mean(inside) > 0.5
+
+
+@pytest.mark.slow
+def test_intervals_do_not_depend_on_the_step_of_the_derivatives(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In this log the error of a coarse step looks like information: the interval shrinks."""
+    series = series_of(log_of(vehicle, 1006, seconds=25.0), vehicle)
+    widths = {}
+    for step in (fit_module._CENTRAL_STEP, 1e-6, 1e-4):
+        monkeypatch.setattr(fit_module, "_CENTRAL_STEP", step)
+        solution = fit(series, vehicle, np.ones(COUNT, dtype=bool))
+        widths[step] = float(solution.errors(robust=False)[0])
+
+    ours, finer, coarse = widths.values()
+    assert ours == pytest.approx(finer, rel=0.01)
+    assert coarse < 0.9 * finer
 
 
 @pytest.mark.slow
