@@ -7,7 +7,7 @@ import numpy as np
 
 from seamark.sim.control.observation import ROUTE_NUMBERS, ROUTE_POINTS, STARTS
 from seamark.sim.control.track.guide import Guide
-from seamark.sim.control.track.navigation import Measured
+from seamark.sim.control.track.navigation import Measured, to_body
 from seamark.sim.metrics.following import REACH_M, REJOIN_M, WINDOW_M
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import sincos
@@ -99,21 +99,20 @@ class RouteInLoop:
     def _way(self) -> tuple[float, float, float]:
         """Return how far to move to the point to steer for, by what the vehicle knows, body."""
         seen = self._observation
-        sine, cosine = sincos(seen.item(_YAW))
         fix_north, fix_east, age, sigma = self._seen[_FIX].tolist()
         now = Measured(
             t=seen.item(STARTS["t"]),
             dt=self._step_s,
             speeds=(seen.item(_SURGE), seen.item(_SURGE + 1)),
             depth=seen.item(STARTS["depth"]),
-            yaw=(sine, cosine),
+            yaw=sincos(seen.item(_YAW)),
             fix=(fix_north, fix_east),
             fix_age=age,
             fix_sigma=sigma,
         )
         self._guide.update(now)
         north, east, down, _length = self._guide.to_aim()
-        return cosine * north + sine * east, cosine * east - sine * north, down
+        return *to_body(north, east, now.yaw), down
 
     def _report(self, step: int, columns: Array) -> None:
         fix, told = self._usbl.last, columns[_FIXED:_BOAT]

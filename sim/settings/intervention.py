@@ -9,7 +9,7 @@ from seamark.sim.settings.arm import GROUP as ARM
 from seamark.sim.settings.arm import ArmSettings, arm_setting
 from seamark.sim.settings.current_levels import CurrentLevels
 from seamark.sim.settings.experiment import experiment_setting
-from seamark.sim.settings.setting import group_of, override
+from seamark.sim.settings.setting import override
 from seamark.sim.settings.tracker import RobustTrackerSettings
 from seamark.sim.settings.trial_spreads import GROUP as SPREADS
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings, spread_setting
@@ -17,8 +17,6 @@ from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage import Linkage
 from seamark.sim.vehicles.linkage_reading import load_linkage
 
-HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", SPREADS})
-HIDDEN = frozenset({"levels", "score"})
 ARMED = ArmSettings.model_fields
 # Vehicles that carry an arm with a hand.
 VEHICLES = ("girona500", "bluerov2-heavy", "bluerov2-heavy-v2")
@@ -133,10 +131,6 @@ class InterventionSettings(RobustTrackerSettings, ArmSettings, CurrentLevels, Tr
         """Return the mean speeds [m/s] without a grid."""
         return self.levels
 
-    def levels_in_order(self) -> bool:
-        """Return whether the levels run as listed."""
-        return not self.shuffle_levels
-
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
         return super().cross_field_errors() or self.grid_errors()
@@ -159,15 +153,10 @@ class InterventionSettings(RobustTrackerSettings, ArmSettings, CurrentLevels, Tr
         return arm
 
     def for_program(self) -> dict[str, Any]:
-        """Return the settings that a program is given: nothing that tells the current."""
-        fields, face = type(self).model_fields, self.target_shape()
-        told = {
-            name: value
-            for name, value in self.model_dump().items()
-            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
-        }
+        """Return the settings that a program is given, and what it knows of camera and work."""
+        face = self.target_shape()
         known = {"camera_mount_m": self.camera_mount_m(), "face_m": (face.length_m, face.width_m)}
-        return told | known
+        return super().for_program() | known
 
 
 GROUPS = (

@@ -5,11 +5,15 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 import math
 from functools import partial
+from typing import Any
 
 from seamark.sim.settings.experiment import ExperimentSettings
-from seamark.sim.settings.setting import setting
+from seamark.sim.settings.setting import group_of, setting
 
 GROUP = "Drawn per trial"
+# What would tell a program the conditions that it is not to know.
+HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", GROUP})
+HIDDEN = frozenset({"levels", "score"})
 spread_setting = partial(setting, group=GROUP, role="scenario", advanced=True)
 
 
@@ -208,6 +212,19 @@ class TrialSpreadSettings(ExperimentSettings):
         title="Levels in random order",
         help="Whether the order of the levels is drawn, so that nobody knows the next current.",
     )
+
+    def levels_in_order(self) -> bool:
+        """Return whether the levels run as listed."""
+        return not self.shuffle_levels
+
+    def for_program(self) -> dict[str, Any]:
+        """Return the settings that a program is given: nothing that tells the current."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in self.model_dump().items()
+            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
+        }
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""

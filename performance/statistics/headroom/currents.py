@@ -14,22 +14,11 @@ from performance.statistics.headroom.over_current import (
     HALVES,
     Headroom,
     Measured,
-    Parts,
-    Scores,
+    in_turn,
     of_parts,
 )
-from seamark.sim.benchmarks.currents_v2.settings import ALTERNATING
 
-
-def _girona(scores: Scores) -> Scores:
-    return scores[:: len(ALTERNATING)]
-
-
-def _bluerov(scores: Scores) -> Scores:
-    return scores[1 :: len(ALTERNATING)]
-
-
-VEHICLES: Parts = {"Girona 500": _girona, "BlueROV2 Heavy": _bluerov}  # in turn
+VEHICLES = in_turn(("Girona 500", "BlueROV2 Heavy"))
 
 
 def columns(one: Measured) -> Mapping[str, str]:

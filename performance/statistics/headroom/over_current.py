@@ -117,6 +117,15 @@ def share_of_scale(score: float, scale: tuple[float, float]) -> float:
     return 100.0 * (score - nothing) / (oracle - nothing)
 
 
+def in_turn(labels: Sequence[str]) -> Parts:
+    """Return the trials of each of what takes turns from trial to trial."""
+    return {label: _every(len(labels), at) for at, label in enumerate(labels)}
+
+
+def _every(count: int, first: int) -> Callable[[Scores], Scores]:
+    return lambda scores: scores[first::count]
+
+
 def first_half(scores: Scores) -> Scores:
     """Return the scores of the first half of the trials."""
     return scores[: len(scores) // 2]

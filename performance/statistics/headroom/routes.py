@@ -16,6 +16,7 @@ from performance.statistics.headroom.over_current import (
     Parts,
     Scores,
     at_speeds,
+    in_turn,
     of_parts,
 )
 from seamark.sim.benchmarks.track_v1.settings import ALTERNATING
@@ -23,10 +24,6 @@ from seamark.sim.registry import benchmark
 from seamark.sim.settings.route import KINDS
 
 NAME = "track-v1"
-
-
-def _every(count: int, first: int) -> Callable[[Scores], Scores]:
-    return lambda scores: scores[first::count]
 
 
 def _of_kind(kind: int) -> Callable[[Scores], Scores]:
@@ -38,10 +35,7 @@ def _of_kind(kind: int) -> Callable[[Scores], Scores]:
     ]
 
 
-VEHICLES: Parts = {
-    "Girona 500": _every(len(ALTERNATING), 0),
-    "BlueROV2 Heavy": _every(len(ALTERNATING), 1),
-}
+VEHICLES = in_turn(("Girona 500", "BlueROV2 Heavy"))
 ROUTES: Parts = {label: _of_kind(kind) for kind, label in enumerate(KINDS.values())}
 
 

@@ -3,24 +3,22 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from typing import Any, Self
+from typing import Self
 
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.station_keeping import overall
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
-from seamark.sim.settings.setting import group_of, override
+from seamark.sim.settings.setting import override
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.settings.tracker import RobustTrackerSettings
-from seamark.sim.settings.trial_spreads import GROUP, TrialSpreadSettings
+from seamark.sim.settings.trial_spreads import TrialSpreadSettings
 from seamark.sim.vehicles import load
 
 BOTH = "both"
 ALTERNATING = ("girona500", "bluerov2-heavy")  # in even, in odd trials
 SINGLE = (*ALTERNATING, "bluerov2-heavy-v2")  # in all trials of a practice run
-HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", GROUP})
-HIDDEN = frozenset({"levels", "score"})
 
 INHERITED = StationKeepingSettings.model_fields
 
@@ -66,22 +64,9 @@ class CurrentsConfiguration(
         """Return the vehicles that take turns from trial to trial."""
         return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
 
-    def levels_in_order(self) -> bool:
-        """Return whether the levels run as listed."""
-        return not self.shuffle_levels
-
     def for_trial(self, trial: int) -> Self:
         """Return the configuration of one trial, with its vehicle and that vehicle's defaults."""
         if self.vehicle != BOTH:
             return self
         name = ALTERNATING[trial % len(ALTERNATING)]
         return self.model_copy(update={"vehicle": name, **load(name).defaults})
-
-    def for_program(self) -> dict[str, Any]:
-        """Return the settings that a program is given: nothing that tells the current."""
-        fields = type(self).model_fields
-        return {
-            name: value
-            for name, value in self.model_dump().items()
-            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
-        }

@@ -3,23 +3,20 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from typing import Any, Self
+from typing import Self
 
 from seamark.sim.metrics.following import METRICS
 from seamark.sim.settings.current_levels import CurrentLevels
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.route import RouteSettings
-from seamark.sim.settings.setting import group_of, override, setting
+from seamark.sim.settings.setting import override, setting
 from seamark.sim.settings.targets import TargetShape
-from seamark.sim.settings.trial_spreads import GROUP as SPREADS
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
 from seamark.sim.vehicles import load
 
 BOTH = "both"
 ALTERNATING = ("girona500", "bluerov2-heavy-v2")  # in even, in odd trials
-HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", SPREADS})
-HIDDEN = frozenset({"levels", "score"})
 MARK = TargetShape("Concrete weight", 1.0, 0.6, 0.4, True)  # on the bottom, below the start
 SEABED_M = 20.0  # [m] depth, E: inshore
 _SCENE = TrialSpreadSettings.model_fields
@@ -125,18 +122,11 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
         """Return the mean speeds [m/s] without a grid."""
         return self.levels
 
-    def levels_in_order(self) -> bool:
-        """Return whether the levels run as listed."""
-        return not self.shuffle_levels
-
     def for_trial(self, trial: int) -> Self:
         """Return the configuration of one trial, with its vehicle and its kind of route."""
         vehicles = self.vehicles()
         name = vehicles[trial % len(vehicles)]
-        known = type(self).settings()
-        defaults = {key: value for key, value in load(name).defaults.items() if key in known}
-        if self.vehicle != BOTH:
-            defaults = {}
+        defaults = load(name).defaults if self.vehicle == BOTH else {}
         return self.model_copy(
             update={"vehicle": name, "route": self.route_kind(trial), **defaults}
         )
@@ -144,12 +134,3 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
         return super().cross_field_errors() or self.grid_errors()
-
-    def for_program(self) -> dict[str, Any]:
-        """Return the settings that a program is given: nothing that tells the current."""
-        fields = type(self).model_fields
-        return {
-            name: value
-            for name, value in self.model_dump().items()
-            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
-        }

@@ -10,7 +10,7 @@ from typing import Any
 
 from seamark.sim.control.observation import ROUTE_POINTS, Observation
 from seamark.sim.control.position.vehicle_model import AXES, DisturbanceObserver, VehicleModel
-from seamark.sim.control.track.navigation import measured
+from seamark.sim.control.track.navigation import measured, to_body
 
 HEADING_GAIN_1_S, YAW_RAD_S = 0.8, 0.4  # E
 SLOW_1_S = 0.7  # [1/s] speed for each metre that is left to the end; E
@@ -51,10 +51,10 @@ class LineOfSight:
         sine, cosine = self._sincos(yaw)
         self._guide.update(measured(observation, sine, cosine))
         north, east, down = self._velocity(observation.dt)
-        surge, sway = cosine * north + sine * east, cosine * east - sine * north
+        wanted = to_body(north, east, (sine, cosine))
         self._look_at_water(observation, sine, cosine)
         rate = self._yaw_rate(self._bow((north, east)), yaw)
-        return [*self._level(observation, (surge, sway), sine, cosine), down, rate]
+        return [*self._level(observation, wanted, sine, cosine), down, rate]
 
     def _velocity(self, dt: float) -> list[float]:
         """Return the velocity that is wanted, north, east, down [m/s]."""
@@ -166,7 +166,7 @@ class IntoFlow(IntegralLineOfSight):
     ) -> Sequence[float]:
         """Return the references with which the thrusters balance the drag at the wanted speeds."""
         north, east = self._current
-        water = cosine * north + sine * east, cosine * east - sine * north
+        water = to_body(north, east, (sine, cosine))
         references = []
         for axis in AXES:
             error = wanted[axis] - observation.velocity.item(axis)

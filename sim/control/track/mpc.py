@@ -12,6 +12,7 @@ from seamark.sim.control.position.kalman_filter import DVL_SIGMA_M_S, VELOCITY, 
 from seamark.sim.control.position.mpc import LATENCY_S, Thrusters
 from seamark.sim.control.position.vehicle_model import AXES
 from seamark.sim.control.track.guidance import IntoFlow, Level
+from seamark.sim.control.track.navigation import to_body
 from seamark.sim.numerics.arrays import Array
 
 HORIZON_S = 3.0  # E
@@ -92,7 +93,7 @@ class RouteMpc(IntoFlow):
         moving = way_m * np.arange(1, steps + 1) < guide.left_m
         north, east = ahead[:, 0] - guide.position[0], ahead[:, 1] - guide.position[1]
         speed_north, speed_east = (self._speed * moving * ahead[:, 3 + axis] for axis in AXES)
-        self._reference[0, :, 0] = cosine * north + sine * east
-        self._reference[1, :, 0] = cosine * east - sine * north
-        self._reference[0, :, 1] = cosine * speed_north + sine * speed_east
-        self._reference[1, :, 1] = cosine * speed_east - sine * speed_north
+        places = to_body(north, east, (sine, cosine))
+        speeds = to_body(speed_north, speed_east, (sine, cosine))
+        for axis in AXES:
+            self._reference[axis, :, 0], self._reference[axis, :, 1] = places[axis], speeds[axis]

@@ -1,15 +1,17 @@
 """Where the vehicle is, by dead reckoning and acoustic fixes: a Kalman filter."""
 
 from collections import deque
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from seamark.sim.control.observation import Observation
+from seamark.sim.numerics.arrays import Array
 
 AXES = (0, 1)  # north, east
 DRIFT_M_S = 0.01  # E: of dead reckoning, from the bias of the DVL and of the compass
 DRIFT_NOISE = 2e-3  # [m/s per root second] E: it turns with the heading
 START_SHARE = 0.5  # standard deviation of each axis of a disc, as a share of its radius
 LONGEST_DELAY_S = 30.0  # of fixes that are still used
+Number = TypeVar("Number", float, Array)
 
 
 class Measured(NamedTuple):
@@ -38,6 +40,12 @@ def measured(observation: Observation, sine: float, cosine: float) -> Measured:
         fix_age=observation.fix_age,
         fix_sigma=observation.fix_sigma,
     )
+
+
+def to_body(north: Number, east: Number, yaw: tuple[float, float]) -> tuple[Number, Number]:
+    """Return the parts of a vector forward and to starboard, given sine and cosine of the yaw."""
+    sine, cosine = yaw
+    return cosine * north + sine * east, cosine * east - sine * north
 
 
 class Navigation:

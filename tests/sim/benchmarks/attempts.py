@@ -1,4 +1,4 @@
-"""Programs with an arm at a level of a benchmark, and the rows that they leave."""
+"""Programs at a level of a benchmark, and the rows that they leave."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.benchmarks.intervention.experiment import Intervention
+from seamark.sim.benchmarks.in_current import InCurrent
 from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command
 
@@ -15,15 +15,16 @@ class Driver:
     """A `Program` out of something with `reset` and `step`; it keeps its commands."""
 
     def __init__(self, controller: Any, config: Any) -> None:
-        self._controller, self._size = controller, arm_size(config.the_arm())
-        self._searches = config.searches()
+        arm = config.chosen_arm()
+        self._controller, self._size = controller, arm_size(arm) if arm else None
+        self._told = {"search": config.searches(), "route": config.has_route()}
         self.commands: list[Command] = []
 
     def reset(self, level: Any) -> None:
         self._controller.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        observation = Observation(values, self._size, search=self._searches)
+        observation = Observation(values, self._size, **self._told)
         command = tuple(map(float, self._controller.step(observation)))
         self.commands.append(command)
         return command
@@ -54,7 +55,7 @@ class Playback:
 
 
 def rows_of(
-    experiment: Intervention[Any], config: Any, driver: Driver, *, seed: int, trial: int
+    experiment: InCurrent[Any], config: Any, driver: Driver, *, seed: int, trial: int
 ) -> NDArray[np.float64]:
     """Return the rows of the first level."""
     rows: list[NDArray[np.float64]] = []

@@ -5,49 +5,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.track_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.track_v1.settings import TrackConfiguration
 from seamark.sim.control.observation import ROUTE_POINTS, Observation
 from seamark.sim.control.track.guidance import Blind, LineOfSight
 from seamark.sim.engine.program import BuiltIn, Command
-from seamark.sim.numerics.arrays import Array
-from seamark.sim.recording.telemetry import Rows
+from tests.sim.benchmarks.attempts import Driver, Playback, rows_of
 
 pytestmark = pytest.mark.slow
 CONFIG = TrackConfiguration.read({"levels": [0.2]})
 SEED, TRIALS = 90, 6  # one of each vehicle and kind of route
-
-
-class Driver:
-    """A `Program` out of a controller; it keeps its commands."""
-
-    def __init__(self, controller: Any) -> None:
-        self._controller = controller
-        self.commands: list[Command] = []
-
-    def reset(self, level: Mapping[str, float | int]) -> None:
-        self._controller.reset(level)
-
-    def step(self, values: NDArray[np.float64]) -> Command:
-        command = tuple(map(float, self._controller.step(Observation(values, route=True))))
-        self.commands.append(command)
-        return command
-
-
-class Playback:
-    """Repeats the commands of a run that it has seen."""
-
-    def __init__(self, commands: Sequence[Command]) -> None:
-        self._commands = commands
-
-    def reset(self, level: Mapping[str, float | int]) -> None:
-        self._at = 0
-
-    def step(self, observation: Observation) -> Command:
-        self._at += 1
-        return self._commands[self._at - 1]
 
 
 class Shortcut(LineOfSight):
@@ -74,21 +42,15 @@ class Drifter:
         return (u, v, w, 0.0)
 
 
-def rows_of(program: Any, trial: int, seed: int = SEED) -> Rows:
-    rows: list[Array] = []
-    config = CONFIG.for_trial(trial)
-    EXPERIMENT.level(config, program, seed=seed, trial=trial, level=0).run(rows.append)
-    return np.concatenate(rows)
-
-
 def followed(program: Any, trial: int, seed: int = SEED) -> float:
-    rows = rows_of(program, trial, seed)
-    share: float = EXPERIMENT.metrics(CONFIG.for_trial(trial), 0, rows)["followed"]
+    config = CONFIG.for_trial(trial)
+    rows = rows_of(EXPERIMENT, config, program, seed=seed, trial=trial)
+    share: float = EXPERIMENT.metrics(config, 0, rows)["followed"]
     return share
 
 
 def controller(kind: Any, trial: int) -> Driver:
-    return Driver(kind(CONFIG.for_trial(trial).for_program()))
+    return Driver(kind(CONFIG.for_trial(trial).for_program()), CONFIG)
 
 
 def on_average(kind: Any) -> float:
@@ -116,7 +78,7 @@ def test_going_straight_to_the_end_earns_little(honest: float) -> None:
 
 
 def test_letting_the_water_carry_it_earns_next_to_nothing() -> None:
-    drifted = [followed(Driver(Drifter()), trial) for trial in range(TRIALS)]
+    drifted = [followed(Driver(Drifter(), CONFIG), trial) for trial in range(TRIALS)]
 
     assert np.mean(drifted) < 0.1
 
@@ -127,8 +89,8 @@ def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(honest: floa
         driver = controller(LineOfSight, trial)
         seen.append(followed(driver, trial))
         playback = Playback(driver.commands)
-        again.append(followed(Driver(playback), trial))
-        elsewhere.append(followed(Driver(playback), trial, seed=SEED + 1))
+        again.append(followed(Driver(playback, CONFIG), trial))
+        elsewhere.append(followed(Driver(playback, CONFIG), trial, seed=SEED + 1))
 
     assert again == seen  # the same water, the same commands: the playback itself works
     assert np.mean(elsewhere) < 0.2 * honest
