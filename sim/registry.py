@@ -26,6 +26,15 @@ BENCHMARKS = {  # the current ones first
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
 DEFAULT_BENCHMARK = next(iter(BENCHMARKS))  # of the site, commands and logs, where none is named
+
+
+def newest_version(name: str) -> str:
+    """Return the name of a benchmark's newest version, such as currents-v2 for currents-v1."""
+    family = name.rpartition("-v")[0]
+    versions = [one for one in BENCHMARKS if one.rpartition("-v")[0] == family]
+    return max(versions, key=lambda one: int(one.rpartition("-v")[2]))
+
+
 _FIRST_VEHICLES = ("girona500", "girona500-uwsim", "bluerov2-heavy")  # others follow by name
 
 

@@ -100,3 +100,15 @@ def test_forms_need_neither_numba_nor_opencv() -> None:
 def test_an_unknown_benchmark_is_a_key_error() -> None:
     with pytest.raises(KeyError):
         registry.benchmark("currents-v0")
+
+
+def test_the_newest_version_is_the_highest_number_of_the_same_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(registry, "BENCHMARKS", dict.fromkeys(("a-v9", "a-v10", "a-b-v11"), ""))
+
+    assert [registry.newest_version(one) for one in ("a-v9", "a-v10", "a-b-v11")] == [
+        "a-v10",
+        "a-v10",
+        "a-b-v11",
+    ]

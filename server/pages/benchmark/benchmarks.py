@@ -34,6 +34,7 @@ def index() -> ResponseReturnValue:
             "picture": has_picture(benchmark.name),
             "leader": next(iter(leaders[benchmark.name]), None),
             "people": people.get(benchmark.name, 0),
+            "newer": known_benchmarks.newer_than(benchmark.name),
         }
         for benchmark in every
     ]
@@ -56,7 +57,7 @@ def show(name: str) -> ResponseReturnValue:
         "benchmark/show.html",
         benchmark=benchmark,
         picture=has_picture(name),
-        benchmarks=known_benchmarks.labels(),
+        newer=known_benchmarks.newer_than(name),
         sections=guides.folded(explanation),
         leader=leader,
         people=people,

@@ -71,7 +71,8 @@ def show(name: str) -> ResponseReturnValue:
     return render_template(
         "leaderboard/show.html",
         benchmark=benchmark,
-        benchmarks=known_benchmarks.labels(),
+        benchmarks=known_benchmarks.menu(),
+        newer=known_benchmarks.newer_than(name),
         ranks=board.ranks,
         verified=verified,
         next=board.next.text() if board.next else None,

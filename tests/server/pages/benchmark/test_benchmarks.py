@@ -105,3 +105,30 @@ def test_the_page_of_a_benchmark_names_its_leader_and_marks_beside(site: Site) -
 
     assert "Steady hand" in page
     assert "is ranked 1st of 1" in page
+
+
+@pytest.mark.parametrize("where", ["leaderboards", "submit"])
+def test_the_menu_lists_each_benchmark_once_and_earlier_versions_under_their_heading(
+    site: Site, where: str
+) -> None:
+    page = site.browser().get(f"/{where}/visibility-v1").text
+    menu = page.partition('<details class="menu benchmark-menu">')[2].partition("</details>")[0]
+    newest, heading, earlier = menu.partition(">Earlier versions</p>")
+    link = re.compile(rf'href="/{where}/([a-z0-9-]+)"')
+
+    assert heading
+    assert sorted(link.findall(menu)) == sorted(registry.BENCHMARKS)
+    versions = map(registry.newest_version, registry.BENCHMARKS)
+    assert set(link.findall(newest)) == set(versions)
+    assert {"currents-v1", "visibility-v1"} <= set(link.findall(earlier))
+
+
+@pytest.mark.parametrize("where", ["benchmarks", "leaderboards", "submit"])
+def test_an_earlier_version_names_the_current_one_and_the_current_one_does_not(
+    site: Site, where: str
+) -> None:
+    newest = registry.newest_version("currents-v1")
+    said = f'This is an earlier version: <a href="/{where}/{newest}">{newest}</a>'
+
+    assert said in site.browser().get(f"/{where}/currents-v1").text
+    assert "This is an earlier version" not in site.browser().get(f"/{where}/{newest}").text
