@@ -26,6 +26,7 @@ TABLES = {
     "neighbours": "sandbox.neighbours",
     "leaks": "sandbox.leaks",
     "camera": "perception.camera",
+    "sonar": "perception.sonar",
     "training_images": "perception.training_images",
     "box_detectors": "perception.box_detectors",
     "trackers": "perception.trackers.page",
@@ -79,6 +80,7 @@ OTHERS = {
     "screenshots": "figures.screenshots",
     "synthetic_current": "figures.synthetic_current",
     "turbulence": "figures.turbulence",
+    "sonar_figure": "figures.sonar",
 }
 MODULES = {name: f"performance.{module}" for name, module in (TABLES | OTHERS).items()}
 

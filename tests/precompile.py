@@ -30,6 +30,7 @@ from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
+from tests.sim.sonar import test_images as sonar_images
 from tests.sim.trackers import test_upright_boxes
 from tests.sim.trackers.template import test_template
 
@@ -96,6 +97,8 @@ def main() -> None:
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
             partial(_run, test_link_camera.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_bottom.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, sonar_images.PROGRAM, {}),
+            partial(_run, sonar_images.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_faces.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_network.BITS, OLDEST_PROCESSOR),

@@ -24,7 +24,7 @@ SAND = "sand"
 
 
 @lru_cache(maxsize=4)
-def _noise_bank(seed: int, width: int) -> NDArray[np.float32]:
+def noise_bank(seed: int, width: int) -> NDArray[np.float32]:
     """Return standard normal samples; the first `width` are repeated at the end for long rows."""
     generator = np.random.Generator(np.random.PCG64(seed))
     bank = generator.standard_normal(raycast.NOISE_LENGTH, dtype=np.float32)
@@ -35,7 +35,7 @@ def sensor_noise(water: Water, noise_seed: int, width: int) -> SensorNoise:
     """Return the noise of a camera with images of this width [px]."""
     seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # int64, so one compilation
     return SensorNoise(
-        bank=_noise_bank(seed, width),
+        bank=noise_bank(seed, width),
         seed=seed,
         read_variance=float(water.read_sigma_grey) ** 2,
         shot_gain=float(water.shot_gain),

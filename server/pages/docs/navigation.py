@@ -23,8 +23,8 @@ _GROUPS: Mapping[str, Sequence[str]] = {
     ),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "currents.md", "vehicles.md", "identification.md"),
-        *("camera.md", "controllers.md", "trackers.md", "trackers-table.md", "visibility.md"),
-        *("validation.md", "measurements.md"),
+        *("camera.md", "sonar.md", "controllers.md", "trackers.md", "trackers-table.md"),
+        *("visibility.md", "validation.md", "measurements.md"),
     ),
     "For teachers and operators": (
         *("classes.md", "hosting.md", "security.md", "scaling.md", "decisions.md"),

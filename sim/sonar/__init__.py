@@ -1,0 +1,1 @@
+"""A forward-looking imaging sonar: its device, its echoes, and its images."""
