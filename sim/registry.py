@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 BENCHMARKS = {  # the current ones first
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
-    "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
+    "visibility-v3": "seamark.sim.benchmarks.visibility_v3.definition:BENCHMARK",
     "track-v1": "seamark.sim.benchmarks.track_v1.definition:BENCHMARK",
     "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
     "mission-v1": "seamark.sim.benchmarks.mission_v1.definition:BENCHMARK",
@@ -23,6 +23,7 @@ BENCHMARKS = {  # the current ones first
     "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
     "connect-v1": "seamark.sim.benchmarks.connect_v1.definition:BENCHMARK",
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
+    "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
 DEFAULT_BENCHMARK = next(iter(BENCHMARKS))  # of the site, commands and logs, where none is named

@@ -23,6 +23,7 @@ FOLDER = Path(templates.__file__).parent / "static" / "benchmarks"
 QUALITY = 84
 SEED = 2026
 AMBER = (0, 176, 255)  # blue, green, red
+FRAME = 40  # of the trial, where nothing but the vehicle's place is shown
 OFFSET = np.array([0.05, -0.04, 0.0, 0.02, 0.01, 0.15])  # [m, rad] from the station
 DISTANCES_M = {"controller": 2.27, "tracker": 1.27}  # of the camera from the target
 AT_WORK_S = {
@@ -33,7 +34,12 @@ AT_WORK_S = {
 }  # into a level of an arm's benchmark
 AT_WORK: dict[str, str] = {"mission-v1": "chain"}  # what works there, if not the scripted entry
 CLEAR = {"mission-v1": {"loop1_values": [0.2]}}  # settings of the one level that is shown
-LEVELS = {"currents-v2": 3, "visibility-v2": 12, "visibility-v1": 8}  # not the first one's water
+LEVELS = {
+    "currents-v2": 3,
+    "visibility-v3": 12,
+    "visibility-v2": 12,
+    "visibility-v1": 8,
+}  # not the first one's water
 
 
 def picture(name: str) -> Image:
@@ -73,7 +79,7 @@ def off_station(name: str) -> CameraFrame:
     camera = Replay(name, benchmark.read({}), lambda _trial: SEED).camera(0, level)
     motion = np.zeros(12)
     motion[:6] = start_pose(camera.optics, camera.target, height_m) + OFFSET
-    return CameraFrame(camera, motion, 40)
+    return CameraFrame(camera, camera.at(motion, FRAME), FRAME)
 
 
 def at_work(name: str, time_s: float) -> CameraFrame:

@@ -2,8 +2,9 @@
 
     ./run performance adversaries [BENCHMARK ...] [--trials N] [--seed S]
 
-Prints a Markdown table for each benchmark, by default the v2 benchmarks, with the ranked scenario.
-None of these may come near an honest entry; the built-in solutions are there to compare with.
+Prints a Markdown table for each benchmark, by default one of controllers and one of trackers, with
+the ranked scenario. None of these may come near an honest entry; the built-in solutions are there
+to compare with.
 """
 
 import argparse
@@ -165,7 +166,7 @@ def text(name: str, *, trials: int, seed: int) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("benchmarks", nargs="*", default=["currents-v2", "visibility-v2"])
+    parser.add_argument("benchmarks", nargs="*", default=["currents-v2", "visibility-v3"])
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument("--seed", type=int, default=SEED)
     options = parser.parse_args(arguments)

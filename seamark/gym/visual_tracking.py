@@ -90,6 +90,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self.action_space: gymnasium.Space[Any] = Box(low, high, dtype=np.float64)
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
         self._episodes = Episodes(self._experiment, config)
+        self._wrong_cost: float = getattr(self._experiment, "wrong_cost", 0.0)
         self._loop: OpenLoop | None = None
         self._row = np.zeros(WIDTH)
 
@@ -130,8 +131,9 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Take the corners in the present image and show the next one.
 
-        The reward is 1 if they are within 5 px of the true ones, else 0: its mean over the images
-        of a level is the benchmark's p@5.
+        The reward is 1 if they are within 5 px of the true ones, and 0 if the action says that it
+        has no target. For other corners it is 0, or -1 where the benchmark lets wrong answers cost.
+        Its mean over the images of a level is what the benchmark scores there.
 
         Raises
         ------
@@ -145,11 +147,12 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         self._held.answer = Track(corners, bool(numbers[CORNERS] >= 0.5), 0.0, 0)
         self._running.step(self._step, self._row)
         self._step += 1
-        tracked = self._row[_OK] and self._row[_CORNER_ERROR] <= FAR_PX
+        right = self._row[_CORNER_ERROR] <= FAR_PX
+        worth = 0.0 if not self._row[_OK] else 1.0 if right else 0.0 - self._wrong_cost
         truth, over = self._truth(), self._step >= self._config.control_steps_per_level
         if not over:
             self._show()
-        return self._observation(), float(bool(tracked)), False, over, truth
+        return self._observation(), worth, False, over, truth
 
     def _observation(self) -> Observation:
         return {

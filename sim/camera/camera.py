@@ -60,6 +60,7 @@ def effect_parameters(effects: Effects, noise_seed: int) -> EffectParameters:
         fish_m=float(effects.fish_length_m),
         frame_s=float(effects.frame_s),
         seed=seed,
+        drift=np.zeros(5),
     )
 
 
@@ -104,6 +105,17 @@ class Camera:
         self._motion = np.zeros(12)
         self._render = SameTypes(raycast.draw)
         self._render_effects = SameTypes(raycast_effects.draw)
+
+    def at(self, motion: NDArray[np.float64], frame: int) -> NDArray[np.float64]:
+        """Return the pose that the other methods take: with all that moves beside the vehicle.
+
+        Here nothing does.
+        """
+        return motion
+
+    def target_at(self, pose: NDArray[np.float64]) -> Target:
+        """Return the target where it is in the image of a pose; here it does not move."""
+        return self.target
 
     def follow(self, pose: NDArray[np.float64]) -> None:
         """Put the target where it is in the image of a pose; here it does not move."""

@@ -72,3 +72,6 @@ class EffectParameters(NamedTuple):
     fish_m: float
     frame_s: float
     seed: int  # 31 bits
+    # (5,) of a target that moves by itself, here and now: north and east of the point that it
+    # turns about [m], velocity north and east [m/s], yaw rate [rad/s]; 0 where it stands
+    drift: NDArray[np.float64]

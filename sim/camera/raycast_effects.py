@@ -51,11 +51,32 @@ def pose_after(motion: Array, seconds: float) -> Array:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def scene_after(scene: Scene, drift: Array, seconds: float) -> Scene:
+    """Return the scene a short time later: a target that moves by itself has moved its faces."""
+    if drift[2] == 0.0 and drift[3] == 0.0 and drift[4] == 0.0:
+        return scene
+    s, c = sincos(drift[4] * seconds)
+    faces = scene.faces.copy()
+    for face in faces:
+        face[0] -= drift[0]
+        face[1] -= drift[1]
+        for at in range(0, 12, 3):  # first corner, two edges, normal
+            north, east = face[at], face[at + 1]
+            face[at] = c * north - s * east
+            face[at + 1] = s * north + c * east
+        face[0] += drift[0] + drift[2] * seconds
+        face[1] += drift[1] + drift[3] * seconds
+    return Scene(scene.intrinsics, scene.mount, scene.seabed_m, faces, scene.layout, scene.fog)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def exposure_count(motion: Array, scene: Scene, effects: EffectParameters) -> int:
     """Return the number of poses for motion blur: adjacent ones are about a pixel apart."""
     height = max(scene.seabed_m - motion[2] - scene.mount[2], 0.3)
     speed = (abs(motion[6]) + abs(motion[7]) + abs(motion[8])) / height
     turn = abs(motion[9]) + abs(motion[10]) + abs(motion[11])
+    speed += (abs(effects.drift[2]) + abs(effects.drift[3])) / height
+    turn += abs(effects.drift[4])
     pixels = scene.intrinsics[0] * (speed + turn) * effects.exposure_s
     return int(min(np.ceil(pixels) + 1.0, float(MAX_EXPOSURES))) if pixels > 0.02 else 1
 
@@ -178,19 +199,20 @@ def _average_exposure(
     for k in range(count):
         later = effects.exposure_s * ((k + 0.5) / count - 0.5)
         pose = pose_after(motion, later)
-        view = view_from(pose, scene, channel.attenuation, window)
+        now = scene_after(scene, effects.drift, later)
+        view = view_from(pose, now, channel.attenuation, window)
         camera_pose(pose, scene.mount, rotation, centre)
         extrinsics = (rotation, centre)
         time_s = frame * effects.frame_s + later
         if effects.alters_light:
-            view = _with_light(view, scene, channel, effects, window, extrinsics, time_s)
-        _render_instant(view, window, scene, channel, effects, buffers, plane)
+            view = _with_light(view, now, channel, effects, window, extrinsics, time_s)
+        _render_instant(view, window, now, channel, effects, buffers, plane)
         if effects.fish > 0.0:
-            add_fish(plane, corner, extrinsics, scene, channel, effects, time_s)
+            add_fish(plane, corner, extrinsics, now, channel, effects, time_s)
         if effects.snow > 0.0:
             eye = Eye(rotation, centre)
             painting = Painting(plane, corner, size, open_water)
-            add_snow(painting, (eye, eye), scene, channel, effects, time_s)
+            add_snow(painting, (eye, eye), now, channel, effects, time_s)
         share = _F(1.0 / count)
         for r in range(mean.shape[0]):
             for c in range(width):

@@ -63,7 +63,7 @@ class OpenLoop:
         station : (6,) [m, rad]
             Pose from which the camera looks at the target's centre.
         """
-        self._path, self._tracking = path, tracking
+        self._path, self._camera, self._tracking = path, camera, tracking
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._start_every = start_every or self._steps
@@ -82,8 +82,9 @@ class OpenLoop:
             recorder.flush()
 
     def motion(self, step: int) -> NDArray[np.float64]:
-        """Return pose and velocity, (12,), at an image of the level."""
-        return np.concatenate(self._path.pose_and_velocity(step * self._dt))
+        """Return pose and velocity, (12,), at an image of the level, and what else moves."""
+        own = np.concatenate(self._path.pose_and_velocity(step * self._dt))
+        return self._camera.at(own, self.frame(step))
 
     def starts(self, step: int) -> bool:
         """Return whether the tracker is started at this image rather than asked."""
@@ -100,7 +101,7 @@ class OpenLoop:
         track(motion, self.frame(step))
         row[:] = 0.0
         row[_TIME] = self._trial, self._level, self._start_s + step * self._dt
-        row[_MOTION] = motion
+        row[_MOTION] = motion[:12]
         write_tracking_error(
             motion, tracking.corners, tracking.ok, tracking.target_view, self._station, row
         )

@@ -49,7 +49,8 @@ class CameraFrame:
 
     camera: Camera
     # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]; with an arm, its
-    # joints and their speeds follow, where its workpiece is, and where the wrong one is
+    # joints and their speeds follow, where its workpiece is, and where the wrong one is; or where
+    # a target is that moves by itself
     motion: Row
     number: int  # of the frame in the trial
 
@@ -125,8 +126,8 @@ class Replay:
             motion = np.concatenate([motion, row[_WORK]])
         if has_search(len(row)):
             motion = np.concatenate([motion, row[_DECOY]])
-        motion = np.ascontiguousarray(motion)
-        return CameraFrame(self.camera(trial, level), motion, number)
+        camera = self.camera(trial, level)
+        return CameraFrame(camera, camera.at(np.ascontiguousarray(motion), number), number)
 
     def start(self, row: Row) -> tuple[CameraFrame, Row]:
         """Return what the tracker started from, given the row at which it did.

@@ -5,6 +5,7 @@ A loss is admitted if the tracker reports it; the last corners that it reported 
 not reported is the dangerous one, since a vehicle would follow it.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from seamark.sim.metrics.metric import LevelMetric, MetricGroup, compute_all
@@ -53,17 +54,19 @@ METRICS = (*COMMON, *LOSSES)
 LOSS_GROUP = MetricGroup("Trackers: losses in visibility-v2", LOSSES)
 
 
-def followed_metrics(rows: Rows) -> dict[str, Any]:
+def followed_metrics(
+    rows: Rows, metrics: Iterable[LevelMetric[Images]] = METRICS
+) -> dict[str, Any]:
     """Return the metrics of a level on a path, whose first image starts the tracker."""
-    return _metrics(Images(rows[1:]))
+    return _measured(Images(rows[1:]), metrics)
 
 
-def jump_metrics(rows: Rows) -> dict[str, Any]:
+def jump_metrics(rows: Rows, metrics: Iterable[LevelMetric[Images]] = METRICS) -> dict[str, Any]:
     """Return the metrics of a level of jumps: every first image of two starts the tracker."""
-    return _metrics(Images(rows[1::2]))
+    return _measured(Images(rows[1::2]), metrics)
 
 
-def _metrics(images: Images) -> dict[str, Any]:
-    result: dict[str, Any] = compute_all(METRICS, images)
+def _measured(images: Images, metrics: Iterable[LevelMetric[Images]]) -> dict[str, Any]:
+    result: dict[str, Any] = compute_all(metrics, images)
     result["held"] = result[P5.name] >= HELD_PERCENT
     return result

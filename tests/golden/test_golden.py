@@ -50,6 +50,13 @@ SHORT: dict[str, dict[str, object]] = {
         "level_duration_s": 1.0,
         "tracker": "truth",
     },
+    "visibility-v3": {
+        "turbidity_levels": [0.0, 9.0],
+        "motion_levels": [4.0, 60.0],
+        "jump_levels": [4.0, 28.0],
+        "level_duration_s": 1.0,
+        "tracker": "truth",
+    },
     "patterns-v1": {"optical_depths": [0.0, 3.0], "level_duration_s": 4.0},
     "mission-v1": {"levels": [0.3], "loop1_values": [0.5], "level_duration_s": 6.0},
     "track-v1": {"levels": [0.3], "level_duration_s": 6.0},

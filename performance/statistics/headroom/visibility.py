@@ -1,18 +1,19 @@
-"""Measure the entries of visibility-v2 and write their table and figures.
+"""Measure the entries of visibility-v3 or visibility-v2 and write their table and figures.
 
-    ./run performance visibility_headroom [ENTRY ...]
+    ./run performance visibility_headroom [--benchmark NAME] [ENTRY ...]
 
 Every named entry (all of them without a name) runs the reference trials, and 24 trials in water of
 other seeds, the same for all. From docs/headroom.json it prints the table of docs/benchmarks.md and
-how far the order depends on the trials, and redraws the figures visibility-v2-headroom.png,
--difficulty.png and -textures.png. It takes about twenty seconds per entry on two idle cores, for
-KCF and ECC some minutes.
+how far the order depends on the trials, and redraws the figures NAME-headroom.png, -difficulty.png
+and -textures.png. It takes about a minute per entry on two idle cores, for KCF, ECC and the ideal
+observer some minutes.
 """
 
+import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -38,28 +39,44 @@ from performance.statistics.headroom.marks import (
     stability,
 )
 from performance.statistics.opencv_mosse import OpenCvMosse
+from performance.statistics.visibility_attacks import Always, Playback, Remembering, stored_paths
 from performance.statistics.visibility_attacks import Path as CornerPath
-from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
 from performance.tables import markdown_table
+from seamark.sim.engine.replay import Replay
 from seamark.sim.engine.summary import summarise
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.engine.warm_up import warm_up
-from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import Rows
 from seamark.sim.registry import benchmark
-from seamark.sim.trackers import declaration, make
+from seamark.sim.trackers import Tracker, declaration, make
 
-NAME = "visibility-v2"
+SECOND, THIRD = "visibility-v2", "visibility-v3"
 AXES = {"turbidity": "optical depth", "motion": "px per image", "jump": "jump [px]"}
-COLUMNS = (
-    *("tau_midpoint", "motion_held_px", "basin_px"),
-    *("admitted_loss_percent", "false_loss_percent", "unreported_loss_percent"),
-)
-DISHONEST = ("playback", "remembers")
+_LOSSES = ("admitted_loss_percent", "false_loss_percent", "unreported_loss_percent")
+COLUMNS: Mapping[str, Mapping[str, tuple[str, int]]] = {  # metric -> its heading and digits
+    SECOND: {
+        "tau_midpoint": ("τ midpoint", 2),
+        "motion_held_px": ("motion px", 1),
+        "basin_px": ("basin px", 1),
+        **dict(zip(_LOSSES, (("admitted %", 0), ("false %", 0), ("unreported %", 0)), strict=True)),
+    },
+    THIRD: {
+        "tau_midpoint": ("τ midpoint", 2),
+        "motion_held_px": ("motion px", 1),
+        "basin_px": ("basin px", 1),
+        "p5_percent": ("p@5 %", 0),
+        "wrong_percent": ("wrong %", 0),
+        **dict(zip(_LOSSES[:2], (("admitted %", 0), ("false %", 0)), strict=True)),
+    },
+}
+SUCCESS = {SECOND: "p5_percent", THIRD: "net_percent"}  # of a level that is not one of jumps
+DISHONEST = ("playback", "remembers", "always")
 SHOWN_DEPTHS = (0.0, 2.0, 4.0)
 DRAWN = (
-    *("nothing", "blind", "ssd-homography", "box", "kcf", "ecc", "klt", "zncc-homography"),
-    *("mosse", "median-flow", "oracle"),
+    *("nothing", "blind", "match", "filter", "ssd-homography", "box", "kcf", "ecc", "klt"),
+    *("zncc-homography", "zncc-srt", "mosse", "median-flow", "ideal", "oracle"),
 )
+_NOT_DRAWN = {SECOND: ("zncc-srt",), THIRD: ("nothing", "ssd-homography", "kcf", "median-flow")}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,34 +88,46 @@ class Entry:
     make: Callable[[Any], Any]  # configuration -> solution
 
 
-def _reference(name: str) -> Callable[[Any], Any]:
-    return lambda config: benchmark(NAME).load().built_in(name, config)
+def _reference(benchmark_name: str, name: str) -> Callable[[Any], Any]:
+    return lambda config: benchmark(benchmark_name).load().built_in(name, config)
+
+
+def _configured(config: Any) -> Tracker:
+    return make(config.tracker, truth=None, **config.tracker_options())
 
 
 def _remembering(config: Any) -> Remembering:
-    return Remembering(make(config.tracker, truth=None, **config.tracker_options()))
+    return Remembering(_configured(config))
+
+
+def _always(config: Any) -> Always:
+    return Always(_configured(config))
 
 
 @cache  # once per process
-def _reference_paths() -> dict[bytes, CornerPath]:
-    return stored_paths(NAME, seed=reference_seed(NAME), trials=REFERENCE_TRIALS)
+def _reference_paths(name: str) -> dict[bytes, CornerPath]:
+    return stored_paths(name, seed=reference_seed(name), trials=REFERENCE_TRIALS)
 
 
-def _playback(_config: Any) -> Playback:
-    return Playback(_reference_paths())
-
-
-def entries() -> dict[str, Entry]:
+def entries(name: str) -> dict[str, Entry]:
     """Return the marks of the leaderboard, and what else is compared with them, by short names."""
     by_name = {
-        name: Entry(title=mark.title, config=dict(mark.config), make=_reference(mark.built_in))
-        for name, mark in benchmark(NAME).baselines.items()
+        key: Entry(title=mark.title, config=dict(mark.config), make=_reference(name, mark.built_in))
+        for key, mark in benchmark(name).baselines.items()
     }
-    built_in = _reference("built-in")
-    by_name["playback"] = Entry(title="Playback of the reference trials", config={}, make=_playback)
+    built_in = _reference(name, "built-in")
+    by_name["playback"] = Entry(
+        title="Playback of the reference trials",
+        config={},
+        make=lambda _config: Playback(_reference_paths(name)),
+    )
     by_name["remembers"] = Entry(
         title="ZNCC, homography, remembers the path", config={}, make=_remembering
     )
+    if name == THIRD:
+        by_name["always"] = Entry(
+            title="ZNCC, SRT, never admits a loss", config={"warp": "srt"}, make=_always
+        )
     by_name["kcf"] = Entry(title="KCF", config={"tracker": "kcf"}, make=built_in)
     by_name["ssd-homography"] = Entry(
         title="Template tracker, SSD, homography", config={"criterion": "ssd"}, make=built_in
@@ -119,20 +148,20 @@ def entries() -> dict[str, Entry]:
     return by_name
 
 
-def measure(name: str, processes: int) -> Measured:
+def measure(name: str, key: str, processes: int) -> Measured:
     """Run an entry on the reference trials and on others; results do not depend on `processes`."""
-    entry = entries()[name]
+    entry = entries(name)[key]
     with get_context("spawn").Pool(processes, initializer=warm_up) as pool:
-        results = pool.map(_run, jobs(NAME, name), chunksize=1)
-    config = benchmark(NAME).read(entry.config)
-    other_metrics = summarise(NAME, config, results[REFERENCE_TRIALS:])
+        results = pool.map(partial(_run, name), jobs(name, key), chunksize=1)
+    config = benchmark(name).read(entry.config)
+    other_metrics = summarise(name, config, results[REFERENCE_TRIALS:])
     return Measured(
         title=entry.title,
         scores=[round(result.score, 6) for result in results],
-        overall={name: rounded(other_metrics["overall"][name]) for name in COLUMNS},
+        overall={column: rounded(other_metrics["overall"][column]) for column in COLUMNS[name]},
         success={
             axis: [
-                (level["value"], round(level[_success(axis)], 3))
+                (level["value"], round(level[_success(name, axis)], 3))
                 for level in other_metrics["levels"]
                 if level["axis"] == axis
             ]
@@ -141,89 +170,95 @@ def measure(name: str, processes: int) -> Measured:
     )
 
 
-def _success(axis: str) -> str:
+def _success(name: str, axis: str) -> str:
     """Return the metric that counts as success on an axis."""
-    return "p1_percent" if axis == "jump" else "p5_percent"
+    return "p1_percent" if axis == "jump" else SUCCESS[name]
 
 
-def _run(job: Job) -> TrialResult:
-    entry = entries()[job.entry]
-    config = benchmark(NAME).read(entry.config)
+def _run(name: str, job: Job) -> TrialResult:
+    entry = entries(name)[job.entry]
+    config = benchmark(name).read(entry.config)
     solution = entry.make(config)
     return run_trial(
-        NAME, config, solution, seed=job.seed, trial=job.trial, on_rows=lambda _rows: None
+        name, config, solution, seed=job.seed, trial=job.trial, on_rows=lambda _rows: None
     )
 
 
-def report(results: dict[str, Measured]) -> str:
+def report(name: str, results: dict[str, Measured]) -> str:
     """Return the table, lowest score first."""
     head = (
         *("entry", "mark", "reference", "other seeds", "better than the mark above"),
-        *("τ midpoint", "motion px", "basin px", "admitted %", "false %", "unreported %"),
+        *(heading for heading, _digits in COLUMNS[name].values()),
     )
-    marks = benchmark(NAME).baselines
+    marks = benchmark(name).baselines
     steps = mark_steps(results, marks)
     return markdown_table(
         head,
-        (_row(results[key], "yes" if key in marks else "", steps[key]) for key in ordered(results)),
+        (
+            (
+                *score_cells(results[key], "yes" if key in marks else "", steps[key]),
+                *(
+                    number(results[key].overall[column], digits)
+                    for column, (_heading, digits) in COLUMNS[name].items()
+                ),
+            )
+            for key in ordered(results)
+        ),
     )
 
 
-def _row(one: Measured, mark: str, step: tuple[float, float] | None) -> tuple[str, ...]:
-    columns = zip(COLUMNS, (2, 1, 1, 0, 0, 0), strict=True)
-    return (
-        *score_cells(one, mark, step),
-        *(number(one.overall[name], digits) for name, digits in columns),
-    )
-
-
-def draw_difficulty(results: dict[str, Measured], out: Path) -> None:
+def draw_difficulty(name: str, results: dict[str, Measured], out: Path) -> None:
     """Draw the share of success over the levels of each axis."""
-    shown = [key for key in DRAWN if key in results]
+    shown = [key for key in DRAWN if key in results and key not in _NOT_DRAWN[name]]
+    followed = "p@5 [%]" if name == SECOND else "right less wrong [%]"
     with figure(out, rows=len(AXES), height=10.0, share_x=False) as panels:
         for panel, (axis, label) in zip(panels, AXES.items(), strict=True):
-            for number, key in enumerate(shown):
+            for at, key in enumerate(shown):
                 values, shares = zip(*results[key].success[axis], strict=True)
-                style = "-" if number % 2 else "--"
+                style = "-" if at % 2 else "--"
                 panel.plot(values, shares, style, marker=".", label=results[key].title)
             panel.set_xlabel(label)
-            panel.set_ylabel("p@1 [%]" if axis == "jump" else "p@5 [%]")
+            panel.set_ylabel("p@1 [%]" if axis == "jump" else followed)
         panels[1].legend(fontsize=7, loc="center right")
 
 
-def draw_textures(out: Path) -> None:
+def draw_textures(name: str, out: Path) -> None:
     """Write a column for each reference trial: its target at three optical depths."""
-    entry = benchmark(NAME)
-    experiment, config = entry.load(), entry.read({})
-    seed = reference_seed(NAME)
+    entry = benchmark(name)
+    config, seed = entry.read({}), reference_seed(name)
+    replay = Replay(name, config, lambda _trial: seed)
     columns = []
     for trial in range(REFERENCE_TRIALS):
         kept: list[Rows] = []
-        turbid = config.level_values().index(SHOWN_DEPTHS[-1])
-        experiment.level(config, None, seed=seed, trial=trial, level=turbid).run(kept.append)
-        pose = kept[0][0, INDEX["x"] : INDEX["yaw"] + 1]
         drawn = []
         for depth in SHOWN_DEPTHS:
             level = config.level_values().index(depth)
-            camera = experiment.camera(config, seed=seed, trial=trial, level=level)
-            column, row = camera.corners(pose).mean(axis=0).round().astype(int)
-            padded = np.pad(camera.grey(pose, 0), 60)  # the crop may reach beyond the image
+            entry.load().level(config, None, seed=seed, trial=trial, level=level).run(kept.append)
+            motion = replay.frame(kept[-1][0]).motion
+            camera = replay.camera(trial, level)
+            column, row = camera.corners(motion).mean(axis=0).round().astype(int)
+            padded = np.pad(camera.grey(motion, 0), 60)  # the crop may reach beyond the image
             drawn.append(padded[row + 20 : row + 100, column : column + 120])
         columns.append(np.vstack(drawn))
     cv2.imwrite(str(out), np.hstack(columns))
 
 
-def main(names: Sequence[str]) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Measure, store, print and draw."""
-    chosen = [key for key in entries() if not names or key in names]
-    results = measure_and_store(NAME, chosen, measure)
-    sys.stdout.write(f"{report(results)}\n\n{stability(results, dishonest=DISHONEST)}\n")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("names", nargs="*", metavar="ENTRY")
+    parser.add_argument("--benchmark", choices=tuple(COLUMNS), default=THIRD)
+    options = parser.parse_args(arguments)
+    name: str = options.benchmark
+    chosen = [key for key in entries(name) if not options.names or key in options.names]
+    results = measure_and_store(name, chosen, partial(measure, name))
+    sys.stdout.write(f"{report(name, results)}\n\n{stability(results, dishonest=DISHONEST)}\n")
     draw_headroom(
         results,
-        FIGURES / "visibility-v2-headroom.png",
+        FIGURES / f"{name}-headroom.png",
         score="turbidity held [optical depth]",
-        highest=7.0,
+        highest=benchmark(name).score_bar_max,
     )
-    draw_difficulty(results, FIGURES / "visibility-v2-difficulty.png")
-    draw_textures(FIGURES / "visibility-v2-textures.png")
+    draw_difficulty(name, results, FIGURES / f"{name}-difficulty.png")
+    draw_textures(name, FIGURES / f"{name}-textures.png")
     return 0

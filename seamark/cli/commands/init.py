@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "--benchmark",
     default=DEFAULT_BENCHMARK,
     show_default=True,
-    help="The benchmark it is for; visibility-v2 compares trackers, recover-v1 moves an arm.",
+    help="The benchmark it is for; visibility-v3 compares trackers, recover-v1 moves an arm.",
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
 @json_option
@@ -44,7 +44,7 @@ def init(*, language: str, benchmark: str, folder: Path, as_json: bool) -> None:
     Examples:
       seamark init
       seamark init --language c++ my_controller
-      seamark init --benchmark visibility-v2 my_tracker
+      seamark init --benchmark visibility-v3 my_tracker
       seamark init --benchmark recover-v1 my_arm
     """
     from seamark.cli.configuration import benchmark_of

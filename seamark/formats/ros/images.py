@@ -70,7 +70,7 @@ def pictures_of(recording: Recording) -> Pictures | None:
 
 def _target_pose(frame: CameraFrame) -> tuple[frames.Array, frames.Array]:
     """Return the centre of the box in the world frame, and its attitude."""
-    target = frame.camera.target
+    target = frame.camera.target_at(frame.motion)
     heading = np.array([0.0, 0.0, target.heading_rad])
     return frames.to_enu(target.origin()), frames.orientation(heading)
 

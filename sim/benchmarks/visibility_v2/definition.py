@@ -84,14 +84,14 @@ MARKS = {
 }
 
 
-def _turbidity_point(level: Mapping[str, Any]) -> tuple[float, float] | None:
+def turbidity_point(level: Mapping[str, Any]) -> tuple[float, float] | None:
     """Return optical depth and p@5 of a level of the turbidity axis."""
     if level["axis"] != TURBIDITY.name:
         return None
     return float(level["value"]), 0.01 * float(level[P5.name])
 
 
-def _curve(
+def curve(
     axis: Axis,
     area: Metric,
     metrics: tuple[Metric, ...],
@@ -150,11 +150,11 @@ BENCHMARK = Benchmark(
     overall_levels="turbidity levels",
     board_metrics=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
     curves=(
-        _curve(TURBIDITY, SCORE, (P5, P1), followed_metrics),
-        _curve(MOTION, MOTION_HELD, (P5, P1), followed_metrics),
-        _curve(JUMP, BASIN, (P1, P5), jump_metrics),
+        curve(TURBIDITY, SCORE, (P5, P1), followed_metrics),
+        curve(MOTION, MOTION_HELD, (P5, P1), followed_metrics),
+        curve(JUMP, BASIN, (P1, P5), jump_metrics),
     ),
-    midpoint=Midpoint(MIDPOINT, _turbidity_point),
+    midpoint=Midpoint(MIDPOINT, turbidity_point),
     solution_label=solution_label,
     quick_settings={
         "turbidity_levels": [0.0, 7.0],

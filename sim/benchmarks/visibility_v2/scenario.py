@@ -91,17 +91,20 @@ class Scenario:
             "path_turn_rad": self.turbid.amplitudes[5],
         }
 
-    def camera(self, optical_depth: float, altitude_m: float, *, exposure_s: float = 0.0) -> Camera:
-        """Return the camera in water of an optical depth from the station to the target."""
-        water = Water(
+    def water_at(self, optical_depth: float, altitude_m: float) -> Water:
+        """Return water of an optical depth from the station to the target."""
+        return Water(
             attenuation=(optical_depth / altitude_m,) * 3,
             veil=self.water.veil,
             read_sigma_grey=self.water.read_sigma_grey,
             shot_gain=self.water.shot_gain,
         )
+
+    def camera(self, optical_depth: float, altitude_m: float, *, exposure_s: float = 0.0) -> Camera:
+        """Return the camera in water of an optical depth from the station to the target."""
         return Camera(
             OPTICS,
-            water,
+            self.water_at(optical_depth, altitude_m),
             self.target,
             noise_seed=self.noise_seed,
             effects=Effects(exposure_s=exposure_s),
@@ -145,7 +148,7 @@ def draw_scenario(config: VisibilityConfiguration, seed: int, trial: int) -> Sce
         noise_seed=noise_seed,
         station=station,
         turbid=turbid,
-        turbid_motion_px=config.path_motion_px * _around_one(SHARE_OF_MOTION, share[12]),
+        turbid_motion_px=config.path_motion_px * around_one(SHARE_OF_MOTION, share[12]),
         fast=fast,
         jumps_seed=seeds[2],
     )
@@ -165,13 +168,14 @@ def _ground(config: VisibilityConfiguration, texture: str, share: float) -> str:
     return others[int(share * len(others))]
 
 
-def _around_one(spread: float, share: float) -> float:
+def around_one(spread: float, share: float) -> float:
+    """Return a factor between 1 - spread and 1 + spread for a share from 0 to 1."""
     return 1.0 + spread * (2.0 * share - 1.0)
 
 
 def _amplitudes(config: VisibilityConfiguration, shares: Sequence[float]) -> Amplitudes:
-    swing = config.path_swing_m * _around_one(SHARE_OF_AMPLITUDE, shares[0])
-    turn = config.path_turn_rad * _around_one(SHARE_OF_AMPLITUDE, shares[1])
+    swing = config.path_swing_m * around_one(SHARE_OF_AMPLITUDE, shares[0])
+    turn = config.path_turn_rad * around_one(SHARE_OF_AMPLITUDE, shares[1])
     return (swing, swing, HEAVE_SHARE * swing, TILT_SHARE * turn, TILT_SHARE * turn, turn)
 
 

@@ -26,6 +26,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
         "seamark/StationKeeping-v2": "currents-v2",
         "seamark/VisualTracking-v1": "visibility-v1",
         "seamark/VisualTracking-v2": "visibility-v2",
+        "seamark/VisualTracking-v3": "visibility-v3",
         "seamark/Mission-v1": "mission-v1",
         "seamark/Track-v1": "track-v1",
         "seamark/Recover-v1": "recover-v1",
