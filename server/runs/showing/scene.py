@@ -69,6 +69,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
         target, optics, water = camera.target, camera.optics, camera.water
         effects, ground = camera.effects, camera.ground
         work, painted = _workpiece(camera), _painted(camera) is not None
+        places = _path(camera, config, level)
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
@@ -85,6 +86,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
             "centre": target.origin().tolist(),
             "size": target.size_m,
             "heading": target.heading_rad,
+            **({} if places is None else {"path": places}),
         },
         "seabed": {"depth": target.seabed_m, "ground": ground, "tile": _tile_m()}
         | ({"painted": True} if painted else {}),
@@ -158,6 +160,28 @@ def _arm_shape(arm: Linkage, mount: Place) -> dict[str, Any]:
             for link in arm.links
         ],
         "force_sensor": sensor and {"link": names.index(sensor.link), **_place(sensor.place)},
+    }
+
+
+def _path(camera: "Camera", config: Any, level: int) -> dict[str, Any] | None:
+    """Return where a target that moves by itself is in each image of a level: `places`.
+
+    Each is north, east [m] and heading [rad]; `start` is the time of the first one in the trial and
+    `period` that between two [s].
+    """
+    from seamark.sim.camera.moving_target import OWN, MovingTargetCamera  # noqa: PLC0415 - compiled
+
+    if not isinstance(camera, MovingTargetCamera):
+        return None
+    images, period_s = config.control_steps_per_level, config.control_period_s
+    vehicle, first = np.zeros(OWN), level * images
+    return {
+        "start": first * period_s,
+        "period": period_s,
+        "places": [
+            camera.at(vehicle, first + image)[OWN : OWN + 3].round(5).tolist()
+            for image in range(images)
+        ],
     }
 
 

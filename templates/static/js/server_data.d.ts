@@ -151,6 +151,13 @@ export interface TargetShape {
   centre: Triple;
   size: Triple;
   heading: number;
+  path?: TargetPath; // of one that moves by itself
+}
+
+export interface TargetPath {
+  start: number; // [s] of the first image of the level
+  period: number; // [s] from one image to the next
+  places: Triple[]; // north, east [m] and heading [rad] in each
 }
 
 export interface Optics {

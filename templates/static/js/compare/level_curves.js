@@ -54,7 +54,10 @@ function drawCurve(box, curve, runs) {
       height: HEIGHT,
       cursor: { drag: { x: false, y: false } },
       legend: { show: false },
-      scales: { x: { time: false }, y: { range: (_plot, _low, high) => [0, Math.max(high, curve.limit) * 1.1] } },
+      scales: {
+        x: { time: false },
+        y: { range: (_plot, low, high) => [Math.min(0, low) * 1.1, Math.max(high, curve.limit) * 1.1] },
+      },
       axes: [
         { ...axis, label: curve.x_label, labelSize: 20, labelFont: "12px system-ui, sans-serif", size: 32 },
         { ...axis, size: 56 },

@@ -192,10 +192,12 @@ export class SceneBox {
     if (this.sceneKey !== key || !scene) return;
     this.waterKey = key;
     const bottom = scene.seabed.painted ? level : null;
-    const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.workpiece, scene.seabed, bottom]);
+    const standing = scene.target && { ...scene.target, path: undefined }; // its path is another in each level
+    const solid = JSON.stringify([trial, scene.vehicle, standing, scene.workpiece, scene.seabed, bottom]);
     if (solid === this.solid) {
       view.setWater(scene.water, scene.light);
       view.setRoute(scene.route);
+      view.setTarget(scene.target);
       return;
     }
     const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, queryOf(trial, 0))));

@@ -8,6 +8,8 @@ import { colour } from "../player/colours.js";
 
 const COLOURS = ["--chart-1", "--chart-2"];
 const HEIGHT = 220;
+const SHARES = [0, 25, 50, 75, 100]; // of the axis [%]
+const WITH_LOSSES = [-100, -50, 0, 50, 100]; // where wrong answers cost
 const { uPlot: Plot } = window;
 
 /**
@@ -32,7 +34,9 @@ function marksPlugin(curve) {
         ctx.lineTo(bbox.left + bbox.width, y);
         ctx.stroke();
         if (curve.mark !== null) {
-          const x = Math.round(plot.valToPos(Math.min(curve.mark, curve.range[1]), "x", true));
+          const x = Math.round(
+            plot.valToPos(Math.min(Math.max(curve.mark, curve.range[0]), curve.range[1]), "x", true),
+          );
           const text = `${curve.mark_label} ${curve.mark.toFixed(2)}`;
           ctx.strokeStyle = colour("--focus");
           ctx.lineWidth = 1.5 * ratio;
@@ -103,10 +107,13 @@ export class Curve {
         height: HEIGHT,
         cursor: { drag: { x: false, y: false } },
         legend: { show: false },
-        scales: { x: { time: false, range: () => curve.range }, y: { range: () => [0, 112] } },
+        scales: {
+          x: { time: false, range: () => curve.range },
+          y: { range: (_plot, low) => [low < 0 ? -112 : 0, 112] },
+        },
         axes: [
           { ...axis, label: curve.x_label, labelSize: 20, labelFont: "12px system-ui, sans-serif", size: 32 },
-          { ...axis, size: 56, splits: () => [0, 25, 50, 75, 100] },
+          { ...axis, size: 56, splits: (plot) => ((plot.scales.y.min ?? 0) < 0 ? WITH_LOSSES : SHARES) },
         ],
         series: [
           {},

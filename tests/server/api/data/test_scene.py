@@ -36,7 +36,9 @@ def test_the_scene_has_the_thrusters_of_the_trials_vehicle(site: Site) -> None:
         assert shown == [thruster.position.value for thruster in vehicle.thrusters]
 
 
-@pytest.mark.parametrize("benchmark", ["currents-v1", "visibility-v1", "visibility-v2"])
+@pytest.mark.parametrize(
+    "benchmark", ["currents-v1", "visibility-v1", "visibility-v2", "visibility-v3"]
+)
 def test_turbidity_and_target_of_a_level_are_those_of_its_camera(
     site: Site, benchmark: str
 ) -> None:
@@ -51,6 +53,23 @@ def test_turbidity_and_target_of_a_level_are_those_of_its_camera(
     )
     assert len(scene["water"]["attenuation"]) == 3
     assert scene["camera"]["width"] in (320, 640)
+
+
+def test_the_scene_has_the_path_of_a_target_that_moves_by_itself(site: Site) -> None:
+    run_id = site.succeeded(benchmark="visibility-v3", controller="built-in")
+    config: Any = registry.benchmark("visibility-v3").read({})
+
+    scenes = [
+        site.call("owner", "GET", f"/api/v1/runs/{run_id}/scene.json?level={level}").get_json()
+        for level in (0, 1, 15)
+    ]
+
+    paths = [scene["target"]["path"] for scene in scenes]
+    assert [len(path["places"]) for path in paths] == [config.control_steps_per_level] * 3
+    assert [path["start"] for path in paths] == [0.0, 2.0, 30.0]
+    assert paths[0]["places"] == paths[1]["places"] != paths[2]["places"]
+    assert np.ptp(paths[0]["places"], axis=0).max() < 0.4
+    assert np.ptp(paths[0]["places"], axis=0).min() > 0.0
 
 
 def test_the_scene_has_daylight_and_lamp_of_the_run(site: Site) -> None:

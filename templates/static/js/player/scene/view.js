@@ -2,7 +2,7 @@
 // (north, east, down); outside of it, y is up. It draws only when something has changed.
 /**
  * @import { Camera } from "three"
- * @import { LightData, RouteData, Row, SceneData, Triple } from "../../server_data.d.ts"
+ * @import { LightData, RouteData, Row, SceneData, TargetShape, Triple } from "../../server_data.d.ts"
  * @import { VehicleShape, WaterData, WorkShape } from "../../server_data.d.ts"
  * @import { SceneMoment } from "./actor.js"
  * @import { Aim } from "./sight.js"
@@ -98,6 +98,8 @@ export class SceneView {
     this.lamp = null;
     /** @type {Course | null} */
     this.course = null;
+    /** @type {THREE.Group | null} */
+    this.target = null;
     this.clearance = 0; // of the current's arrow above the vehicle [m]
     this.requested = false;
     this.watched = true; // by somebody, or by a recorder
@@ -141,6 +143,8 @@ export class SceneView {
       return work ? new Work(work, options) : null;
     });
     this.aim = description.route || !description.target ? null : aimAt(description.target);
+    this.target =
+      description.target && !this.works[0] ? target(description.target, textures.target, ready, this.water) : null;
     this.particles = new Particles(depth, this.water);
     const { vehicle } = this.actors[0];
     this.shadow = new Shadow(vehicle.hull, depth, SUN, this.water);
@@ -148,7 +152,7 @@ export class SceneView {
     if (this.lamp) vehicle.group.add(this.lamp.mesh);
     this.world.add(
       seabed(description.seabed, textures.seabed, ready, this.water),
-      ...(description.target && !this.works[0] ? [target(description.target, textures.target, ready, this.water)] : []),
+      ...(this.target ? [this.target] : []),
       ...(description.search ? [startMark(description.search, depth)] : []),
       ...this.works.flatMap((work) => work?.group ?? []),
       this.particles.points,
@@ -174,6 +178,34 @@ export class SceneView {
     if (this.description) Object.assign(this.description, { water, light });
     this.water.set(water, light);
     this.request();
+  }
+
+  /**
+   * The target of another level, which may have another path.
+   * @param {TargetShape | null} target
+   */
+  setTarget(target) {
+    if (this.description) this.description.target = target;
+    if (this.last) this.show(this.last, 0);
+  }
+
+  /**
+   * Puts a target that moves by itself where it is at a row.
+   * @param {Description} description
+   * @param {Row} row
+   */
+  moveTarget(description, row) {
+    const shape = description.target;
+    if (!shape?.path || !this.target) return;
+    const { start, period, places } = shape.path;
+    const image = Math.round((row.t - start) / period);
+    const [north, east, heading] = places[Math.min(Math.max(image, 0), places.length - 1)];
+    /** @type {Triple} */
+    const centre = [north, east, shape.centre[2]];
+    this.target.position.set(...centre);
+    this.target.rotation.z = heading;
+    this.aim = aimAt({ ...shape, centre, heading });
+    this.cameras.aimAt(this.aim.centre);
   }
 
   /**
@@ -224,6 +256,7 @@ export class SceneView {
     const [work] = this.works;
     this.aim = work && moments[0] ? work.aim() : this.aim;
     if (work && this.aim) this.cameras.aimAt(this.aim.centre);
+    if (moments[0]) this.moveTarget(description, moments[0].row);
     if (moments[0]) this.showAround(vehicle, description, moments[0].row, moved);
     const shown = this.actors.filter(({ group }) => group.visible);
     if (this.cameras.mode === "all") this.cameras.frame(shown.map((actor) => actor.vehicle.group.position));
