@@ -78,6 +78,7 @@ EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *ROUTE_FIELDS, *IMAGE_FIELD
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 VEHICLE_CAMERA, ARM_CAMERA = "vehicle", "arm"
+SONAR = "sonar"  # its image, (bins, beams), comes as those of cameras do
 Images = Mapping[str, NDArray[np.uint8]]  # camera -> its newest image (H, W), grey, read-only
 
 

@@ -1,4 +1,7 @@
-"""The images that a program is given: when they are taken, and when they reach it."""
+"""The images that a program is given: when they are taken, and when they reach it.
+
+The sonar counts as a camera.
+"""
 
 import math
 from collections import deque
@@ -8,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.arm_camera import ArmCamera
-from seamark.sim.control.observation import ARM_CAMERA, Images
+from seamark.sim.control.observation import ARM_CAMERA, SONAR, Images
 from seamark.sim.engine.program import ImageProgram
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.arrays import Array
@@ -36,7 +39,8 @@ class ImagesInLoop:
 
     def __init__(self, world: World) -> None:
         """Set up the cameras of a level that its configuration asks for."""
-        self._camera, self._names = world.camera, world.config.cameras_of_program()
+        self._camera, self._sonar = world.camera, world.sonar
+        self._names = world.config.cameras_of_program()
         self._every = max(1, round(PERIOD_S / world.config.control_period_s))
         self._late = world.conditions.camera_delay_steps
         self._under_way: deque[Exposure] = deque()
@@ -65,6 +69,9 @@ class ImagesInLoop:
             assert isinstance(self._camera, ArmCamera)  # noqa: S101 - as the settings are checked
             image = self._camera.grey_on_arm(taken.motion, taken.frame)
             assert image is not None  # noqa: S101 - as before
+        elif name == SONAR:
+            assert self._sonar is not None  # noqa: S101 - as before
+            image = self._sonar.image(taken.motion, taken.frame)
         else:
             image = self._camera.grey(taken.motion, taken.frame)
         image.flags.writeable = False

@@ -15,6 +15,7 @@ from seamark.sim import registry
 from seamark.sim.camera.arm_camera import ArmCamera
 from seamark.sim.camera.camera import Camera
 from seamark.sim.engine.tracker_in_loop import draw_start_error
+from seamark.sim.engine.vehicle_sonar import VehicleSonar, build_sonar
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.recording.telemetry import (
     ARM_INDEX,
@@ -27,6 +28,8 @@ from seamark.sim.recording.telemetry import (
     has_work,
 )
 from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.grid import GridSettings
+from seamark.sim.settings.sonar import SonarSettings
 
 Image = NDArray[np.uint8]
 Row = NDArray[np.float64]
@@ -43,6 +46,10 @@ class NoCameraOnArm(Exception):
     """The vehicle has no arm, or there is no camera on it."""
 
 
+class NoSonar(Exception):
+    """The vehicle has no imaging sonar."""
+
+
 @dataclass(frozen=True, slots=True)
 class CameraFrame:
     """What the camera saw at one row of the telemetry."""
@@ -53,6 +60,7 @@ class CameraFrame:
     # a target is that moves by itself
     motion: Row
     number: int  # of the frame in the trial
+    sonar: VehicleSonar | None = None
 
     def grey(self) -> Image:
         """Return the image (H, W) that the tracker had."""
@@ -76,6 +84,18 @@ class CameraFrame:
         if image is None:
             raise NoCameraOnArm("The vehicle of this run has no camera on an arm.")
         return image
+
+    def fan(self) -> Image:
+        """Return what the sonar saw as a fan, (H, W, 3) in blue, green, red.
+
+        Raises
+        ------
+        NoSonar
+            There is none.
+        """
+        if self.sonar is None:
+            raise NoSonar("The vehicle of this run has no imaging sonar.")
+        return self.sonar.fan(self.motion, self.number)
 
     def corners(self) -> Row:
         """Return the true corners (4, 2) [px] of the target's top face."""
@@ -112,7 +132,18 @@ class Replay:
         def start_error(trial: int, level: int) -> Row:
             return draw_start_error(settings.start_error_px, streams(seed_of(trial), trial, level))
 
-        self.camera = camera
+        @lru_cache(maxsize=_CACHED_CAMERAS)
+        def sonar(trial: int, level: int) -> VehicleSonar | None:
+            if not isinstance(config, SonarSettings):
+                return None
+            here = config.for_trial(trial)
+            if isinstance(here, GridSettings):
+                here = here.at(level)
+            return build_sonar(
+                here, camera(trial, level).target, streams(seed_of(trial), trial, level)
+            )
+
+        self.camera, self.sonar = camera, sonar
         self._first_camera, self._start_error = first_camera, start_error
 
     def frame(self, row: Row) -> CameraFrame:
@@ -126,8 +157,8 @@ class Replay:
             motion = np.concatenate([motion, row[_WORK]])
         if has_search(len(row)):
             motion = np.concatenate([motion, row[_DECOY]])
-        camera = self.camera(trial, level)
-        return CameraFrame(camera, camera.at(np.ascontiguousarray(motion), number), number)
+        camera, sonar = self.camera(trial, level), self.sonar(trial, level)
+        return CameraFrame(camera, camera.at(np.ascontiguousarray(motion), number), number, sonar)
 
     def start(self, row: Row) -> tuple[CameraFrame, Row]:
         """Return what the tracker started from, given the row at which it did.

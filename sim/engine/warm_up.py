@@ -39,6 +39,7 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     parts |= {"detectors": detectors.warm_up, "horizon": horizon.warm_up}
     parts |= {name: partial(_shortest_trial, name) for name in registry.BENCHMARKS}
     parts["arm"] = partial(_shortest_trial, registry.DEFAULT_BENCHMARK, **WITH_ARM)
+    parts["sonar"] = partial(_shortest_trial, "track-v1", sonar="forward")
     names = list(parts)
     run_parts(
         parts,

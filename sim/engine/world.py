@@ -13,7 +13,13 @@ from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import MOUNT_M, Optics
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
-from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, ArmSize, arm_size
+from seamark.sim.control.observation import (
+    ARM_CAMERA,
+    SONAR,
+    VEHICLE_CAMERA,
+    ArmSize,
+    arm_size,
+)
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.detectors import Detector
@@ -23,6 +29,7 @@ from seamark.sim.engine.search_in_loop import SearchInLoop
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, Untracked, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.engine.vehicle_sonar import VehicleSonar, build_sonar
 from seamark.sim.multibody.assembly import Mounting, fixed_box
 from seamark.sim.multibody.hull import Hull
 from seamark.sim.multibody.plant import ArmedPlant
@@ -44,6 +51,7 @@ from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.search import SearchSettings
+from seamark.sim.sonar.device import Device
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
 from seamark.sim.vehicles.linkage import Linkage
@@ -130,6 +138,7 @@ class World(Craft):
 
     camera: Camera
     tracking: Untracked
+    sonar: VehicleSonar | None
 
 
 def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
@@ -150,10 +159,12 @@ def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
     return target, optics
 
 
-def program_optics(config: ExperimentSettings) -> dict[str, Optics]:
-    """Return the optics of each camera whose images a program is given, in their order."""
+def program_optics(config: ExperimentSettings) -> dict[str, Optics | Device]:
+    """Return each camera whose images a program is given, in their order; also the sonar."""
     _target, optics = target_and_optics(config)
-    known = {VEHICLE_CAMERA: optics, ARM_CAMERA: ON_ARM}
+    known: dict[str, Optics | Device] = {VEHICLE_CAMERA: optics, ARM_CAMERA: ON_ARM}
+    if device := config.sonar_device():
+        known[SONAR] = device
     return {camera: known[camera] for camera in config.cameras_of_program()}
 
 
@@ -250,7 +261,8 @@ def build_world(
     else:
         tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
     parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
-    return World(**parts, camera=camera, tracking=tracking)
+    sonar = build_sonar(config, craft.target, random)
+    return World(**parts, camera=camera, tracking=tracking, sonar=sonar)
 
 
 def build_craft(config: ExperimentSettings, conditions: Conditions, random: Streams) -> Craft:

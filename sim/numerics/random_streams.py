@@ -49,6 +49,7 @@ class Streams:
     turbulence: np.random.Generator
     waves: np.random.Generator
     record: np.random.Generator
+    sonar: np.random.Generator
 
     def __init__(self, seed: int, trial: int, level: int) -> None:
         self._numbers = seed, trial, level

@@ -56,8 +56,13 @@ class Configuration(BaseModel, ABC):
     @model_serializer(mode="wrap")
     def _without_unused(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         values: dict[str, Any] = serialise(self)
+        unstored = self.unstored_groups()
         known = type(self).settings()
-        return {name: value for name, value in values.items() if name in known}
+        return {
+            name: value
+            for name, value in values.items()
+            if name in known and group_of(known[name]) not in unstored
+        }
 
     @field_validator("*", mode="before")
     @classmethod
@@ -136,6 +141,13 @@ class Configuration(BaseModel, ABC):
     def cameras_of_program(self) -> tuple[str, ...]:
         """Return the cameras whose images a controller is given; none unless overridden."""
         return ()
+
+    def unstored_groups(self) -> frozenset[str]:
+        """Return groups of settings that are not stored because they are off; none here.
+
+        For what comes to a benchmark that has results: without it, a configuration stays as it was.
+        """
+        return frozenset()
 
     def custom_score(self) -> str:
         """Return the user's own expression over metrics; empty without one."""

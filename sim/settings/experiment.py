@@ -14,6 +14,7 @@ from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS, TargetShape
 from seamark.sim.settings.thruster_faults import FaultSettings
+from seamark.sim.sonar.device import Device
 from seamark.sim.vehicles import is_known, load, most_thrusters, own
 from seamark.sim.vehicles.linkage import Linkage
 
@@ -192,6 +193,10 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def searches(self) -> bool:
         """Return whether what the arm works on has to be found first."""
         return False
+
+    def sonar_device(self) -> Device | None:
+        """Return the imaging sonar of the vehicle; none unless overridden."""
+        return None
 
     def has_route(self) -> bool:
         """Return whether there is a route to follow."""

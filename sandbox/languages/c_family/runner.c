@@ -183,6 +183,7 @@ static void add_camera(const char *name) {
     shown[shown_count] = &unknown;
     if (!strcmp(name, "vehicle")) shown[shown_count] = &observation.images.vehicle;
     if (!strcmp(name, "arm")) shown[shown_count] = &observation.images.arm;
+    if (!strcmp(name, "sonar")) shown[shown_count] = &observation.images.sonar;
     shown_count++;
 }
 

@@ -30,6 +30,7 @@ typedef struct seamark_image {
 typedef struct seamark_images {
     seamark_image vehicle; /* of the vehicle's camera, which looks down */
     seamark_image arm;     /* of the camera on its arm */
+    seamark_image sonar;   /* of its imaging sonar: rows of range, columns from port to starboard */
 } seamark_images;
 
 /* The observation of one control step. It never contains ground truth. */
@@ -66,7 +67,7 @@ typedef struct seamark_observation {
     double fix[2];    /* [m] position by the last acoustic fix, north and east of the same place */
     double fix_age;   /* [s] since it was there; -1 before the first fix */
     double fix_sigma; /* [m] standard deviation of each of its two numbers */
-    /* With the setting `images`: */
+    /* With the setting `images` or `sonar`: */
     double image_t;        /* [s] simulated time at which the newest images were taken */
     seamark_images images; /* grey; all their cameras take them at once */
 } seamark_observation;

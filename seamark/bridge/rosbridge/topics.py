@@ -21,10 +21,10 @@ from seamark.bridge.rosbridge.navigation import DeadReckoning
 from seamark.bridge.rosbridge.protocol import NS
 from seamark.sim.camera.arm_camera import ON_ARM
 from seamark.sim.camera.optics import Optics
-from seamark.sim.control.observation import ARM_CAMERA, VEHICLE_CAMERA, Observation
+from seamark.sim.control.observation import ARM_CAMERA, SONAR, VEHICLE_CAMERA, Observation
 
 CAMERA, FORCE_SENSOR = "camera", "force_sensor"
-FRAMES = {VEHICLE_CAMERA: CAMERA, ARM_CAMERA: "arm_camera"}
+FRAMES = {VEHICLE_CAMERA: CAMERA, ARM_CAMERA: "arm_camera", SONAR: SONAR}
 _UNKNOWN = [0.0] * 36  # a covariance, as nav_msgs says
 Message = dict[str, Any]
 Publishing = Callable[["Moment", "Dialect"], Message]
@@ -335,6 +335,20 @@ TOPICS: Mapping[str, Topic] = {
         "the same, as PNG",
         _compressed_grey(ARM_CAMERA),
         camera=ARM_CAMERA,
+    ),
+    "/seamark/sonar/image": Topic(
+        "sensor_msgs",
+        "Image",
+        "with the setting `sonar`: what an uploaded controller gets of the sonar, mono8",
+        _grey(SONAR),
+        camera=SONAR,
+    ),
+    "/seamark/sonar/image/compressed": Topic(
+        "sensor_msgs",
+        "CompressedImage",
+        "the same, as PNG",
+        _compressed_grey(SONAR),
+        camera=SONAR,
     ),
     "/seamark/pose": Topic(
         "geometry_msgs", "PoseStamped", "pose by dead reckoning since the level began", _pose

@@ -197,9 +197,8 @@ def _refuse_seeds(plan: Plan) -> None:
 def _changed(config: Configuration) -> dict[str, Any]:
     """Return the settings that are not the benchmark's own, as plain JSON values."""
     values: Mapping[str, Any] = config.model_dump(mode="json")
-    fields = type(config).model_fields
     usual = type(config)().model_dump(mode="json")
-    return {name: values[name] for name in fields if values[name] != usual[name]}
+    return {name: value for name, value in values.items() if value != usual.get(name)}
 
 
 def _record(

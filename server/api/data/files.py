@@ -196,18 +196,20 @@ def _source(view: RunView, sha256: str, name: str) -> Response:
 def camera(path: RunPath, query: CameraQuery) -> Response:
     """Render the camera image at a simulated time; with neither outline it is the bare image."""
     from seamark.server.runs.showing import camera_view  # noqa: PLC0415 (it loads OpenCV)
-    from seamark.sim.engine.replay import NoCameraOnArm  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.sim.engine.replay import NoCameraOnArm, NoSonar  # noqa: PLC0415 (it loads OpenCV)
 
     view = access.run_for(path.run_id)
     access.require_data(view)
     drawn = camera_view.Drawn(tracked=query.tracked, truth=query.truth)
     if query.camera == "arm":
         drawn = camera_view.ON_ARM
+    elif query.camera == "sonar":
+        drawn = camera_view.SONAR
     try:
         image = camera_view.render(
             services().settings, view, trial=query.trial, t=query.t, drawn=drawn
         )
-    except NoCameraOnArm as missing:
+    except (NoCameraOnArm, NoSonar) as missing:
         raise Problem("not-found", str(missing)) from None
     if image is None:
         raise Problem("not-found", "There is no telemetry of that trial yet.")

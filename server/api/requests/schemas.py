@@ -136,8 +136,10 @@ class CameraQuery(Query):
     t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] in the trial")
     tracked: bool = Field(True, description="Draw the outline that the tracker reported")
     truth: bool = Field(True, description="Draw the true outline")
-    camera: Literal["vehicle", "arm"] = Field(
-        "vehicle", description="The vehicle's camera, or the one on its arm, without outlines"
+    camera: Literal["vehicle", "arm", "sonar"] = Field(
+        "vehicle",
+        description="The vehicle's camera; or, without outlines, the one on its arm, or the fan of "
+        "its imaging sonar",
     )
 
 

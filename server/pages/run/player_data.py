@@ -18,6 +18,7 @@ from seamark.server.web import known_benchmarks
 from seamark.server.web.services import services
 from seamark.server.web.streams.excerpts import start_of_trial
 from seamark.sim.benchmarks.benchmark import Chart
+from seamark.sim.control.observation import SONAR
 from seamark.sim.recording import telemetry
 from seamark.sim.settings.configuration import Configuration
 from seamark.sim.settings.experiment import ExperimentSettings
@@ -49,6 +50,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "arm": telemetry.has_arm(width),
+        "sonar": SONAR in config.cameras_of_program(),
         "detections": telemetry.has_detections(width),
         "map": map_of(telemetry.names(width)),
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),

@@ -70,10 +70,12 @@ class Drawn:
     tracked: bool = True
     truth: bool = True  # the true outline, thin and amber; of a detector, those it missed
     on_arm: bool = False  # the image of the camera on the arm instead, in which nothing is drawn
+    sonar: bool = False  # the fan of the imaging sonar instead, likewise
 
 
 DRAWN = Drawn()
 ON_ARM = Drawn(tracked=False, truth=False, on_arm=True)
+SONAR = Drawn(tracked=False, truth=False, sonar=True)
 
 
 def render(
@@ -98,6 +100,8 @@ def render(
     ------
     NoCameraOnArm
         There is no camera on an arm.
+    NoSonar
+        There is no imaging sonar.
     """
     row = _row_at(stored_files.of_run(settings, run) if files is None else files, trial, t)
     if row is None:
@@ -126,6 +130,8 @@ def _rendered(
     frame = _replay(benchmark, config, seeds).frame(row)
     if drawn.on_arm:
         return jpeg(frame.on_arm())
+    if drawn.sonar:
+        return jpeg(frame.fan())
     image, truth = frame.colour(), frame.corners()
     return jpeg(annotated(image, row, truth, drawn))
 

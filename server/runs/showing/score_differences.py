@@ -108,7 +108,7 @@ def differing_scenario(run: ComparedRun, other: ComparedRun) -> list[str]:
     return [
         entry["title"]
         for name, entry in benchmark.schema()["properties"].items()
-        if entry["x-role"] == "scenario" and first[name] != second[name]
+        if entry["x-role"] == "scenario" and first.get(name) != second.get(name)
     ]
 
 

@@ -77,7 +77,7 @@ def _config(assignment: AssignmentView, chosen: Mapping[str, object]) -> dict[st
     sent = {name: value for name, value in chosen.items() if name in fixed}
     config = benchmark.read({**assignment.config, **sent}).model_dump(mode="json")
     for name, value in fixed.items():
-        if config[name] != value:
+        if config.get(name) != value:
             title = benchmark.configuration.model_fields[name].title or name
             raise SubmissionRejected(
                 f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name

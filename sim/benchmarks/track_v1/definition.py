@@ -15,6 +15,8 @@ from seamark.sim.metrics.metric import Metric
 from seamark.sim.recording.telemetry import thrust_names
 from seamark.sim.settings.route import FIXES
 from seamark.sim.settings.route import GROUP as ROUTE
+from seamark.sim.settings.sonar import FORWARD
+from seamark.sim.settings.sonar import GROUP as SONAR
 from seamark.sim.settings.trial_spreads import GROUP as SPREADS
 from seamark.sim.vehicles import load, most_thrusters
 
@@ -90,7 +92,7 @@ BENCHMARK = Benchmark(
             "Grid",
             "Velocity controller",
         ),
-        *("Sensors", "Faults", SPREADS),
+        *("Sensors", SONAR, "Faults", SPREADS),
     ),
     presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
     quick_settings={"levels": [0.2], "level_duration_s": 4.0},
@@ -108,6 +110,11 @@ BENCHMARK = Benchmark(
                 "fix_range_sigma_m": 0.0,
                 "fix_angle_sigma_rad": 0.0,
             },
+        ),
+        "sonar": StartingPoint(
+            "With an imaging sonar",
+            "Programs get its image ten times a second.",
+            {"sonar": FORWARD},
         ),
     },
     # block: both vehicles on one kind of route.

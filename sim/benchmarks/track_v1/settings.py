@@ -11,6 +11,7 @@ from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.route import RouteSettings
 from seamark.sim.settings.setting import override, setting
+from seamark.sim.settings.sonar import SonarSettings
 from seamark.sim.settings.targets import TargetShape
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
 from seamark.sim.vehicles import load
@@ -22,7 +23,7 @@ SEABED_M = 20.0  # [m] depth, E: inshore
 _SCENE = TrialSpreadSettings.model_fields
 
 
-class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings):
+class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, SonarSettings):
     """Settings of track-v1. Seed, trials and controller are not part of it."""
 
     unused_groups = frozenset({"Tracker", "Station keeper", "Water and camera"})

@@ -57,3 +57,16 @@ def test_a_built_in_controller_earns_what_it_follows_and_leaves_the_rows_of_a_ru
     assert earned > 0.02
     assert info["along"] > 0.5
     env.close()
+
+
+def test_an_observation_has_the_image_of_the_sonar() -> None:
+    env: Any = gymnasium.make("seamark/Track-v1", settings=SHORT | {"sonar": "forward"}).unwrapped
+
+    observation, _info = env.reset(seed=SEED)
+
+    assert env.observation_space["image_sonar"].shape == (400, 256)
+    assert env.observation_space.contains(observation)
+    seen = named(observation, route=True)
+    assert seen.images["sonar"] is observation["image_sonar"]
+    assert observation["image_sonar"].max() > 0
+    env.close()

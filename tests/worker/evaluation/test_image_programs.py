@@ -66,7 +66,7 @@ int seamark_step(const seamark_observation *o, seamark_command *c) {
 #include <numeric>
 static double last = -1.0;
 int seamark_step(const seamark_observation *o, seamark_command *c) {
-    const auto &[vehicle, arm] = o->images;
+    const seamark_image &vehicle = o->images.vehicle, &arm = o->images.arm;
     const unsigned char *begin = arm.pixels + 200 * arm.width;
     double row = std::accumulate(begin, begin + arm.width, 0), column = 0.0;
     double age = o->t - o->image_t;

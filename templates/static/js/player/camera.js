@@ -25,6 +25,7 @@ export class Camera {
     this.tracked = maybe(root, "[data-tracked]", HTMLInputElement);
     this.zoom = maybe(root, "[data-zoom]", HTMLInputElement);
     this.onArm = maybe(root, "[data-on-arm]", HTMLInputElement);
+    this.sonar = maybe(root, "[data-sonar]", HTMLInputElement);
     /** @type {Moment | null} */
     this.wanted = null;
     /** @type {Moment | null} */
@@ -38,6 +39,7 @@ export class Camera {
     this.tracked?.addEventListener("change", () => this.again());
     this.zoom?.addEventListener("change", () => this.place());
     this.onArm?.addEventListener("change", () => this.again());
+    this.sonar?.addEventListener("change", () => this.again());
   }
 
   /**
@@ -94,7 +96,7 @@ export class Camera {
   address({ trial, t }) {
     const truth = this.truth && !this.truth.checked ? "&truth=false" : "";
     const tracked = this.tracked && !this.tracked.checked ? "&tracked=false" : "";
-    const camera = this.onArm?.checked ? "&camera=arm" : "";
+    const camera = this.sonar?.checked ? "&camera=sonar" : this.onArm?.checked ? "&camera=arm" : "";
     return `${this.api}/camera.jpg?trial=${trial}${tracked}${truth}${camera}&t=${t.toFixed(2)}`;
   }
 

@@ -107,3 +107,32 @@ def test_moments_say_where_the_vehicle_was_farthest_from_its_route(site: Site, r
     assert found["losses"] == [far[10, INDEX["t"]]]
     assert found["largest_error"]["column"] == "cross_track"
     assert found["largest_error"]["t"] == far[15, INDEX["t"]]
+
+
+@pytest.mark.slow
+def test_the_fan_of_the_sonar_is_shown_of_each_moment(site: Site, rows: Rows) -> None:
+    claim = site.running(
+        benchmark="track-v1", controller="ilos", config=LEVELS | {"sonar": "forward"}, seed=SEED
+    )
+    RunFiles(site.settings.data, claim.run_id, 1).append_rows(rows)
+    assert site.finish(claim)
+    run = f"/api/v1/runs/{claim.run_id}"
+
+    images = [
+        site.call("owner", "GET", f"{run}/camera.jpg?{query}").data
+        for query in ("camera=sonar&t=1", "camera=sonar&t=3", "t=1")
+    ]
+    fan = cv2.imdecode(np.frombuffer(images[0], np.uint8), 1)
+
+    assert len(set(images)) == 3
+    assert fan is not None
+    assert fan.shape[:2] == (480, 833)
+    seabed, water = fan[60:160, 300:500].mean(), fan[380:440, 380:450].mean()
+    assert seabed > 3.0 * water
+
+
+def test_a_run_without_a_sonar_has_no_fan(site: Site, rows: Rows) -> None:
+    answer = site.call("owner", "GET", f"{following(site, rows)}/camera.jpg?camera=sonar")
+
+    problem_of(answer, 404, "not-found")
+    assert "no imaging sonar" in answer.get_json()["detail"]

@@ -1,0 +1,65 @@
+"""The imaging sonar of a vehicle: what it sees, and its image of a pose."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.camera.bodies import Bodies, Placed
+from seamark.sim.camera.geometry import camera_pose
+from seamark.sim.camera.target import Target
+from seamark.sim.multibody.assembly import VEHICLE, Look
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.random_streams import Streams
+from seamark.sim.settings.experiment import ExperimentSettings
+from seamark.sim.sonar.acoustics import HARD_DB, power_of_ten
+from seamark.sim.sonar.device import Device
+from seamark.sim.sonar.display import in_colour
+from seamark.sim.sonar.sonar import Sonar, mounted
+
+FAN_HEIGHT_PX = 480  # as high as an image of the usual camera
+
+
+class VehicleSonar:
+    """A sonar on a vehicle among things that do not move, all of them hard.
+
+    A pose is (6,) north, east, down [m], roll, pitch, yaw [rad]; what follows has no effect.
+    """
+
+    def __init__(
+        self, device: Device, target: Target, things: Sequence[Look] = (), *, noise_seed: int
+    ) -> None:
+        self.device = device
+        bodies = Bodies(things, (VEHICLE,), target=target)
+        self._sonar = Sonar(
+            *(device, bodies, np.full(len(bodies.shapes.kind), power_of_ten(0.1 * HARD_DB))),
+            mount=mounted(device, VEHICLE),
+            seabed_m=target.seabed_m,
+            noise_seed=noise_seed,
+        )
+        self._pose, self._axes = np.zeros(6), np.zeros((3, 3))
+        self._placed = Placed(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros((1, 6)))
+
+    def image(self, pose: Array, frame: int) -> NDArray[np.uint8]:
+        """Return a new image (bins, beams): the one that programs get."""
+        self._pose[:] = pose[:6]
+        camera_pose(self._pose, _ORIGIN, self._axes, self._placed.position[0])
+        starboard, aft, down = self._axes  # of a camera that looks down
+        for column, axis in enumerate((-aft, starboard, down)):
+            self._placed.rotation[0, :, column] = axis
+        return self._sonar.image(self._placed, frame)
+
+    def fan(self, pose: Array, frame: int) -> NDArray[np.uint8]:
+        """Return the image as a fan in colour, (H, W, 3) in blue, green, red, for people."""
+        return in_colour(self.image(pose, frame), self.device, height=FAN_HEIGHT_PX)
+
+
+_ORIGIN = np.zeros(3)
+
+
+def build_sonar(config: ExperimentSettings, target: Target, random: Streams) -> VehicleSonar | None:
+    """Return the sonar of a level, if the settings ask for one."""
+    device = config.sonar_device()
+    if device is None:
+        return None
+    return VehicleSonar(device, target, noise_seed=int(random.sonar.integers(2**63)))
