@@ -139,9 +139,7 @@ class Replay:
             here = config.for_trial(trial)
             if isinstance(here, GridSettings):
                 here = here.at(level)
-            return build_sonar(
-                here, camera(trial, level).target, streams(seed_of(trial), trial, level)
-            )
+            return build_sonar(here, camera(trial, level), streams(seed_of(trial), trial, level))
 
         self.camera, self.sonar = camera, sonar
         self._first_camera, self._start_error = first_camera, start_error

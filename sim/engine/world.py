@@ -261,7 +261,7 @@ def build_world(
     else:
         tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
     parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
-    sonar = build_sonar(config, craft.target, random)
+    sonar = build_sonar(config, camera, random)
     return World(**parts, camera=camera, tracking=tracking, sonar=sonar)
 
 

@@ -15,7 +15,8 @@ from seamark.sim.control.observation import SONAR, Images, Observation
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.replay import NoSonar, Replay
 from seamark.sim.engine.trial import run_trial
-from seamark.sim.engine.vehicle_sonar import VehicleSonar
+from seamark.sim.engine.vehicle_sonar import VehicleSonar, pipe_looks
+from seamark.sim.physics.pipe import pipe_along
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.sonar.device import Device
@@ -122,7 +123,7 @@ def test_a_run_without_a_sonar_has_no_fan() -> None:
 
 def brightest(pose: list[float], target: Target) -> tuple[float, float]:
     """Return range and azimuth of the strongest echo, on average over frames."""
-    sonar = VehicleSonar(DEVICE, target, noise_seed=2)
+    sonar = VehicleSonar(DEVICE, target, seabed_m=20.0, noise_seed=2)
     frames = [sonar.image(np.array(pose), k).astype(np.float64) ** 2 for k in range(12)]
     row, column = np.unravel_index(int(np.mean(frames, axis=0).argmax()), frames[0].shape)
     return (row + 0.5) * DEVICE.bin_m, DEVICE.azimuth_rad(float(column))
@@ -153,9 +154,27 @@ def test_the_weight_appears_where_it_is(yaw: float, aside: float) -> None:
 
 def test_what_is_ahead_leaves_the_image_when_the_bow_rises() -> None:
     target = Target(length_m=1.0, width_m=1.0, height_m=1.0, seabed_m=20.0, north_m=9.0)
-    sonar = VehicleSonar(DEVICE, target, noise_seed=2)
+    sonar = VehicleSonar(DEVICE, target, seabed_m=20.0, noise_seed=2)
 
     level, raised = (sonar.image(np.array([0, 0, 16.0, 0, pitch, 0]), 0) for pitch in (0.0, 0.6))
 
     assert level.max() == 255
     assert raised.max() < 100
+
+
+def test_a_pipe_crosses_the_image_but_for_where_sand_covers_it() -> None:
+    axis = np.array([[8.0, -30.0], [8.0, 1.0], [8.0, 30.0]])
+    pipe = pipe_along(axis, 20.0, 0.2, seed=1)._replace(covered_m=np.array([[29.0, 33.0]]))
+    sonar = VehicleSonar(DEVICE, None, pipe_looks(pipe), seabed_m=20.0, noise_seed=2)
+
+    frames = [sonar.image(np.array([0, 0, 16.0, 0, 0, 0]), k) for k in range(12)]
+    mean = np.mean(np.square(frames, dtype=np.float64), axis=0)
+
+    found = []
+    for column in (40, 80, 127, 128, 180, 220):
+        y, z = 7.7, 3.8  # [m] from the sonar ahead, and down to a height in the middle of the pipe
+        along = math.cos(DEVICE.tilt_rad) * y + math.sin(DEVICE.tilt_rad) * z
+        aside = along * math.tan(DEVICE.azimuth_rad(column))
+        row = round(math.sqrt(aside**2 + y**2 + z**2) / DEVICE.bin_m)
+        found.append(bool(mean[row - 8 : row + 5, column].max() > 80.0**2))
+    assert found == [True, True, False, False, True, True]
