@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from seamark.sim.benchmarks.benchmark import Benchmark
 
 BENCHMARKS = {  # the current ones first
-    "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
+    "currents-v3": "seamark.sim.benchmarks.currents_v3.definition:BENCHMARK",
     "visibility-v3": "seamark.sim.benchmarks.visibility_v3.definition:BENCHMARK",
     "track-v1": "seamark.sim.benchmarks.track_v1.definition:BENCHMARK",
     "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
@@ -22,6 +22,7 @@ BENCHMARKS = {  # the current ones first
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
     "valve-v1": "seamark.sim.benchmarks.valve_v1.definition:BENCHMARK",
     "connect-v1": "seamark.sim.benchmarks.connect_v1.definition:BENCHMARK",
+    "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
@@ -30,7 +31,7 @@ DEFAULT_BENCHMARK = next(iter(BENCHMARKS))  # of the site, commands and logs, wh
 
 
 def newest_version(name: str) -> str:
-    """Return the name of a benchmark's newest version, such as currents-v2 for currents-v1."""
+    """Return the name of a benchmark's newest version, such as currents-v3 for currents-v1."""
     family = name.rpartition("-v")[0]
     versions = [one for one in BENCHMARKS if one.rpartition("-v")[0] == family]
     return max(versions, key=lambda one: int(one.rpartition("-v")[2]))
@@ -71,6 +72,10 @@ REFERENCE_CONTROLLERS = {
 }
 # For tasks other than to keep station, most of them with an arm; marks on the leaderboards last.
 TASK_CONTROLLERS = {
+    "tool": {
+        **CONTROLLERS,
+        "into-current": "seamark.sim.control.position.into_current:Controller",
+    },
     "track": {
         "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
         "los": "seamark.sim.control.track.guidance:LineOfSight",
@@ -96,6 +101,7 @@ TASK_CONTROLLERS = {
     },
 }
 REFERENCE_TASK_CONTROLLERS = {
+    "tool": REFERENCE_CONTROLLERS,
     "track": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.track.guidance:Blind",

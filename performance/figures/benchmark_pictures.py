@@ -35,6 +35,7 @@ AT_WORK_S = {
 AT_WORK: dict[str, str] = {"mission-v1": "chain"}  # what works there, if not the scripted entry
 CLEAR = {"mission-v1": {"loop1_values": [0.2]}}  # settings of the one level that is shown
 LEVELS = {
+    "currents-v3": 3,
     "currents-v2": 3,
     "visibility-v3": 12,
     "visibility-v2": 12,

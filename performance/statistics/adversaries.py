@@ -166,7 +166,7 @@ def text(name: str, *, trials: int, seed: int) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("benchmarks", nargs="*", default=["currents-v2", "visibility-v3"])
+    parser.add_argument("benchmarks", nargs="*", default=["currents-v3", "visibility-v3"])
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument("--seed", type=int, default=SEED)
     options = parser.parse_args(arguments)

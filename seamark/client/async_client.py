@@ -41,7 +41,7 @@ class AsyncClient:
     Examples
     --------
     >>> async with AsyncClient() as client:  # doctest: +SKIP
-    ...     run = await client.submit("currents-v2", controller="pi")
+    ...     run = await client.submit("currents-v3", controller="pi")
     ...     await run.wait()
     """
 

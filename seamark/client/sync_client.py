@@ -41,7 +41,7 @@ class Client:
     Examples
     --------
     >>> with Client("http://127.0.0.1:8000", token="smk_...") as client:  # doctest: +SKIP
-    ...     run = client.submit("currents-v2", program="controller.py").wait()
+    ...     run = client.submit("currents-v3", program="controller.py").wait()
     ...     print(run.score)
     """
 

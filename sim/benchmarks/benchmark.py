@@ -120,6 +120,9 @@ class RankedProtocol:
     fresh_trials: int
     block: int = 1  # consecutive trials that are averaged before the interval is computed
     reference_seed: int = 2026
+    # Whether the fresh trials of a run have one seed together, by which they divide what is drawn
+    # among themselves. A trial's number is part of what its seed gives: they differ all the same.
+    shared_seed: bool = False
     excused_share: float = 0.25  # of the fresh trials: may break a rule without barring the run; E
 
     @property

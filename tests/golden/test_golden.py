@@ -36,6 +36,12 @@ SHORT: dict[str, dict[str, object]] = {
         "settle_s": 1.0,
         "tracker": "truth",
     },
+    "currents-v3": {
+        "levels": [0.2, 0.8],
+        "level_duration_s": 4.0,
+        "settle_s": 1.0,
+        "tracker": "truth",
+    },
     "visibility-v1": {
         "mode": "free",
         "sweep_to": 2.0,

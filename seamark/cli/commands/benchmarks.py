@@ -19,8 +19,8 @@ def benchmarks(name: str | None, as_json: bool) -> None:
     \b
     Examples:
       seamark benchmarks
-      seamark benchmarks currents-v2
-      seamark benchmarks currents-v2 --json
+      seamark benchmarks currents-v3
+      seamark benchmarks currents-v3 --json
     """
     from seamark.cli.configuration import benchmark_of
 

@@ -125,7 +125,7 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     \b
     Examples:
       seamark bridge rosbridge currents-v1 --seed 7 --out result
-      seamark bridge rosbridge currents-v2 --set levels=0.2 --axes enu
+      seamark bridge rosbridge currents-v3 --set levels=0.2 --axes enu
       seamark bridge rosbridge currents-v1 --server https://seamark.example --token $TOKEN
     """
     _refuse_without_websockets()

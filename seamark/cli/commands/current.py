@@ -75,7 +75,7 @@ def current(
       seamark current adcp.nc -o ria.csv --draw ria.svg --licence "CC BY 4.0, the owner"
       seamark current model.nc --bottom 18 --step 600 -o shelf.csv
       seamark current --tides m2.csv --begin 2026-05-01T00:00 --hours 25 -o tide.csv
-      seamark run currents-v2 --controller pi --set current_record=ria.csv
+      seamark run currents-v3 --controller pi --set current_record=ria.csv
     """
     from seamark.current_data.picture import picture
     from seamark.current_data.series import CurrentRefused
@@ -97,7 +97,7 @@ def current(
     for line in _lines(series, made):
         click.echo(_printable(line))
     if out is not None:
-        click.echo(f"Next: seamark run currents-v2 --controller pi --set current_record={out}")
+        click.echo(f"Next: seamark run currents-v3 --controller pi --set current_record={out}")
 
 
 def _made(source: Path, options: dict[str, Any]) -> tuple[Series, Made]:

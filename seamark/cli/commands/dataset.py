@@ -93,7 +93,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
     \b
     Examples:
-      seamark dataset currents-v2 --set levels=0.2 --seed 7 --out currents.zip
+      seamark dataset currents-v3 --set levels=0.2 --seed 7 --out currents.zip
       seamark dataset visibility-v3 --every 4 --colour --out murky.zip
       seamark dataset visibility-v3 --every 20 --format coco --out coco.zip
       seamark dataset patterns-v1 --images 2000 --format coco --out patterns.zip

@@ -84,7 +84,7 @@ def identify(
     Examples:
       seamark identify tank.csv --vehicle my_rov.toml --out fitted.toml --plot fit.png
       seamark identify result/telemetry.csv --vehicle bluerov2-heavy-v2 --out fitted.toml
-      seamark run currents-v2 --controller pi --set vehicle=fitted.toml
+      seamark run currents-v3 --controller pi --set vehicle=fitted.toml
     """
     from seamark.cli.output_folder import draft_of
     from seamark.identification.identified import identify as identified_of

@@ -41,9 +41,9 @@ def leaderboard(
 
     \b
     Examples:
-      seamark leaderboard currents-v2
-      seamark leaderboard currents-v2 --program uploaded --language python
-      seamark leaderboard currents-v2 --sort power_share --json
+      seamark leaderboard currents-v3
+      seamark leaderboard currents-v3 --program uploaded --language python
+      seamark leaderboard currents-v3 --sort power_share --json
     """
     from seamark.cli.comparison_tables import table
     from seamark.cli.server_answers import refusals_shown

@@ -65,7 +65,7 @@ def replay(
     \b
     Examples:
       seamark replay mission.csv --set settle_s=0 --out mission
-      seamark replay mission.bag --mapping mission.toml --benchmark currents-v2 --json
+      seamark replay mission.bag --mapping mission.toml --benchmark currents-v3 --json
     """
     from seamark.cli.output_folder import OutputFolder
     from seamark.mission_logs.result import LogRefused

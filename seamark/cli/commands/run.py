@@ -69,9 +69,9 @@ def run(  # noqa: PLR0913  # one argument per option
 
     \b
     Examples:
-      seamark run currents-v2 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
-      seamark run currents-v2 --controller my_controller.py --set levels=0,0.2 --trials 3
-      seamark run currents-v2 --config config.json --json
+      seamark run currents-v3 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
+      seamark run currents-v3 --controller my_controller.py --set levels=0,0.2 --trials 3
+      seamark run currents-v3 --config config.json --json
       seamark run visibility-v3 --set tracker=esm --set warp=srt
       seamark run visibility-v3 --controller my_tracker.py
       seamark run mission-v1 --controller chain --detector-program my_detector.py

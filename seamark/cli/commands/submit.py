@@ -90,12 +90,12 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
 
     \b
     Examples:
-      seamark submit currents-v2 --controller my_controller.py --token $TOKEN --wait
-      seamark submit currents-v2 --controller pi --set kp=0.6 --seed 7
-      seamark submit currents-v2 --controller my_controller.py --ranked --publish \\
+      seamark submit currents-v3 --controller my_controller.py --token $TOKEN --wait
+      seamark submit currents-v3 --controller pi --set kp=0.6 --seed 7
+      seamark submit currents-v3 --controller my_controller.py --ranked --publish \\
         --method "Sliding mode with observer" --licence MIT --token $TOKEN
-      seamark submit currents-v2 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
-      seamark submit currents-v2 --controller pi --set vehicle=my_rov.toml --token $TOKEN
+      seamark submit currents-v3 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
+      seamark submit currents-v3 --controller pi --set vehicle=my_rov.toml --token $TOKEN
     """
     from seamark.cli.configuration import read_settings, taken_vehicle, typed_if_known
     from seamark.cli.server_answers import refusals_shown

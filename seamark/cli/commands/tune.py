@@ -107,11 +107,11 @@ def tune(benchmark: str, **options: Any) -> None:
 
     \b
     Examples:
-      seamark tune currents-v2 --controller pi --param kp=0.1:2 --param ki=0:0.5:log
-      seamark tune currents-v2 --controller mine.py --method cma-es --candidates 80
-      seamark tune currents-v2 --controller pi --param kp --param ki --resume
-      seamark tune currents-v2 --controller mine.py --server https://seamark.example.org
-      seamark run currents-v2 --controller pi --config tuned.toml
+      seamark tune currents-v3 --controller pi --param kp=0.1:2 --param ki=0:0.5:log
+      seamark tune currents-v3 --controller mine.py --method cma-es --candidates 80
+      seamark tune currents-v3 --controller pi --param kp --param ki --resume
+      seamark tune currents-v3 --controller mine.py --server https://seamark.example.org
+      seamark run currents-v3 --controller pi --config tuned.toml
     """
     from seamark.cli.tuning_report import Report
     from seamark.cli.tuning_task import Options, task_of

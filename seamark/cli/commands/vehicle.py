@@ -30,7 +30,7 @@ def vehicle() -> None:
       seamark vehicle check my_arm.toml --draw my_arm.svg
       seamark vehicle import my_rov.urdf -o my_rov.toml
       seamark vehicle import my_arm.urdf -o my_arm.toml --arm
-      seamark run currents-v2 --set vehicle=my_rov.toml
+      seamark run currents-v3 --set vehicle=my_rov.toml
     """
 
 

@@ -26,7 +26,7 @@ class ChoiceQuery(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    benchmark: Text = Field(min_length=1, max_length=80, description="For example currents-v2")
+    benchmark: Text = Field(min_length=1, max_length=80, description="For example currents-v3")
     kind: Literal["", "practice", "ranked"] = ""
     ended_from: float | None = Field(None, ge=0, le=_TIME_MAX, description="s since 1970")
     ended_to: float | None = Field(None, ge=0, le=_TIME_MAX, description="s since 1970, exclusive")

@@ -68,8 +68,8 @@ class TrialSeeds:
     """Trial -> seed.
 
     A practice run uses its own seed in all trials. A ranked run has the public seed of the
-    benchmark's protocol in the reference trials, then fresh ones; without a protocol hidden ones,
-    unless it verifies another run.
+    benchmark's protocol in the reference trials, then fresh ones: one for all fresh trials if the
+    protocol says so. Without a protocol it has hidden ones, unless it verifies another run.
     """
 
     benchmark: str
@@ -88,6 +88,8 @@ class TrialSeeds:
         if protocol is None and self.draw is None:
             return hidden_seed(self.secret, self.benchmark, trial)
         of = self.submission if self.draw is None else f"{self.submission} draw {self.draw}"
+        if protocol is not None and protocol.shared_seed:
+            trial = protocol.reference_trials
         return fresh_seed(self.secret, self.benchmark, of, trial)
 
 

@@ -40,6 +40,10 @@ class KalmanFilter:
                 surge[at] + turned_rad * sway[at],
                 sway[at] - turned_rad * surge[at],
             )
+        self.spread(dt)
+
+    def spread(self, dt: float) -> None:
+        """Advance the covariance by dt [s]."""
         matrix = self._covariance
         for at in (POSITION, VELOCITY):
             matrix[at] = [a + dt * b for a, b in zip(matrix[at], matrix[at + 1], strict=True)]

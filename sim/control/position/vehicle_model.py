@@ -29,6 +29,7 @@ class VehicleModel:
         vehicle = load(config["vehicle"])
         inertia = vehicle.mass_rigid() + vehicle.mass_added()
         self.mass = [inertia.item(axis, axis) for axis in AXES]  # [kg] with added mass
+        self.added = [vehicle.mass_added().item(axis, axis) for axis in AXES]  # [kg] of it
         self._linear = vehicle.linear_drag()[:2].tolist()
         self._quadratic = vehicle.quadratic_drag()[:2].tolist()
         self._allocation = vehicle.allocation()[:2].tolist()
@@ -75,6 +76,8 @@ class VehicleModel:
 
     def speed_of(self, axis: int, drag: float) -> float:
         """Return the speed through the water [m/s] at which an axis has this drag [N]."""
+        if drag == 0.0:
+            return 0.0  # also where there is no linear drag
         slope, curvature = self._linear[axis], self._quadratic[axis]
         root = math.sqrt(slope * slope + 4.0 * curvature * abs(drag))
         return math.copysign(2.0 * abs(drag) / (slope + root), drag)

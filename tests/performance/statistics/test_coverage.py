@@ -1,14 +1,17 @@
 """The intervals of the service contain the mean at their nominal rate."""
 
+import numpy as np
 import pytest
 
 from performance.statistics.coverage import (
     BOARDS,
     SYNTHETIC,
+    Board,
     Scores,
     coverage,
     measured,
     rank_coverage,
+    separated,
 )
 
 
@@ -31,3 +34,17 @@ def test_ranges_of_ranks_cover_the_true_ranks() -> None:
     assert average >= 95.0
     assert least >= 90.0  # 95 % within the error of 60 runs
     assert width < 5.0
+
+
+def test_an_interval_is_not_too_narrow_where_trials_divide_the_directions() -> None:
+    assert 94.5 <= coverage(SYNTHETIC[4], 24, runs=2000) <= 99.0
+
+
+@pytest.mark.parametrize(("spread", "told"), [(0.01, 100.0), (1.0, 0.0)])
+def test_a_better_row_is_told_from_the_others_if_trials_are_alike(
+    spread: float, told: float
+) -> None:
+    truth = np.array([0.5] * 4 + [0.6])
+    board = Board("five rows", truth, np.full(5, spread), trials=12)
+
+    assert separated(board, runs=20) == pytest.approx((told, told), abs=5.0)

@@ -74,7 +74,7 @@ def test_help_imports_no_heavy_module() -> None:
     [
         (
             ("run", "nothing"),
-            "There is no benchmark nothing. Available: currents-v2,",
+            "There is no benchmark nothing. Available: currents-v3,",
         ),
         (("run", "currents-v1", "--set", "kp"), "write it as key=value"),
         (("run", "currents-v1", "--set", "kp=-1"), "from 0 to"),

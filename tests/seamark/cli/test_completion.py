@@ -42,7 +42,7 @@ def complete(folder: Path, words: str) -> list[str]:
     ("words", "offered"),
     [
         ("seamark com", ["compare", "completion"]),
-        ("seamark run currents-v", ["currents-v2", "currents-v1"]),
+        ("seamark run currents-v", ["currents-v3", "currents-v2", "currents-v1"]),
         ("seamark tune currents-v1 --controller p", ["p", "pi", "pi-ff", "pid"]),
         ("seamark tune currents-v1 --controller pi-", ["pi-ff"]),
         ("seamark plot --on", ["--only"]),

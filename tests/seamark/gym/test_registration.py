@@ -24,6 +24,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
     assert {
         "seamark/StationKeeping-v1": "currents-v1",
         "seamark/StationKeeping-v2": "currents-v2",
+        "seamark/StationKeeping-v3": "currents-v3",
         "seamark/VisualTracking-v1": "visibility-v1",
         "seamark/VisualTracking-v2": "visibility-v2",
         "seamark/VisualTracking-v3": "visibility-v3",

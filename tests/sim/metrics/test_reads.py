@@ -9,7 +9,7 @@ from seamark.sim import registry
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.recording.telemetry import NAMES, WIDTH, Rows
 
-BENCHMARKS = ("currents-v1", "currents-v2")
+BENCHMARKS = ("currents-v1", "currents-v2", "currents-v3")
 
 
 def _rows() -> Rows:

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from performance import DOCS
-from performance.statistics.headroom.currents import PLAN
+from performance.statistics.headroom.currents import BEFORE, PLAN
 from performance.statistics.headroom.over_current import (
+    Headroom,
     Measured,
     insert,
     ordered,
@@ -41,7 +42,7 @@ def test_the_scale_goes_from_doing_nothing_to_the_oracle() -> None:
 
 
 def test_a_row_has_score_interval_share_of_the_scale_step_and_parts() -> None:
-    rows = reference_table(PLAN, ENTRIES, TITLES).splitlines()[2:]
+    rows = reference_table(BEFORE, ENTRIES, TITLES).splitlines()[2:]
     cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
 
     assert [row[0] for row in cells] == ["Nothing", "PI", "Oracle"]
@@ -58,7 +59,7 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
     old = "| entry | current held [m/s] |\n|---|---|\n| PI | 1 |\n"
     path.write_text(f"{other}\nbefore\n\n{old}\nafter\n")
 
-    insert(path, reference_table(PLAN, ENTRIES, TITLES))
+    insert(path, reference_table(BEFORE, ENTRIES, TITLES))
 
     text = path.read_text()
     assert text.startswith(f"{other}\nbefore\n\n| entry | current held [m/s], 95 % interval |")
@@ -67,19 +68,19 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
 
 
 def test_each_entry_but_mpc_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
-    stored = PLAN.known()
+    stored = BEFORE.known()
     apart = ordered({name: one for name, one in stored.items() if name != "mpc"})
     steps = {
         (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=2)
         for worse, better in pairwise(apart)
     }
 
-    assert set(stored) == set(PLAN.definition.baselines)
+    assert set(stored) == set(BEFORE.definition.baselines)
     assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
 
 
 def test_mpc_is_better_than_l1_and_cannot_be_told_from_lqg() -> None:
-    stored = PLAN.known()
+    stored = BEFORE.known()
     mpc = stored["mpc"].scores
 
     below = paired_interval(mpc, stored["l1"].scores, block=2)
@@ -91,11 +92,14 @@ def test_mpc_is_better_than_l1_and_cannot_be_told_from_lqg() -> None:
     assert beside[0] < 0.0 < beside[1]
 
 
-def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale() -> None:
-    stored = PLAN.known()
-    table = reference_table(PLAN, stored, PLAN.titles())
+@pytest.mark.parametrize("plan", [BEFORE, PLAN], ids=lambda plan: plan.benchmark)
+def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale(
+    plan: Headroom,
+) -> None:
+    stored = plan.known()
+    table = reference_table(plan, stored, plan.titles())
 
     assert table in (DOCS / "benchmarks.md").read_text("utf-8")
-    assert PLAN.definition.scale == pytest.approx(
+    assert plan.definition.scale == pytest.approx(
         [mean(stored[name].scores) for name in ("nothing", "oracle")], abs=0.0005
     )

@@ -134,15 +134,16 @@ def test_an_image_is_smoothed_with_the_binomial_mask() -> None:
         assert smooth[row, column] == (around * mask).sum()
 
 
-def test_first_versions_search_once_and_second_versions_twice() -> None:
+def test_first_versions_search_once_and_later_ones_twice() -> None:
     chosen = {
         name: benchmark(name).read({}).model_dump()["second_search"]
-        for name in ("currents-v1", "visibility-v1", "currents-v2", "visibility-v2")
+        for name in ("currents-v1", "visibility-v1", "currents-v2", "currents-v3", "visibility-v2")
     }
 
     assert chosen == {
         "currents-v1": False,
         "visibility-v1": False,
         "currents-v2": True,
+        "currents-v3": True,
         "visibility-v2": True,
     }

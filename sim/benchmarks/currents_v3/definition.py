@@ -1,0 +1,40 @@
+"""currents-v3: which position controller holds station in the strongest current."""
+
+from dataclasses import replace
+from pkgutil import resolve_name
+
+from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol
+from seamark.sim.benchmarks.currents_v2.definition import BENCHMARK as BEFORE
+from seamark.sim.benchmarks.currents_v3.azimuths import STRATA
+from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING, CurrentsConfiguration
+from seamark.sim.registry import controllers
+
+TASK = "tool"
+# Of those of currents-v2, but for neighbours that few trials tell apart.
+MARKS = ("nothing", "blind", "p", "pi", "pid", "lqr")
+
+BENCHMARK = replace(
+    BEFORE,
+    name="currents-v3",
+    gym_family="StationKeeping",
+    summary=(
+        "Hold a tool over a point on the bottom in currents of 0.1 to 1 m/s from all sides, with "
+        "two vehicles that are not quite as their data sheets say."
+    ),
+    configuration=CurrentsConfiguration,
+    built_in={name: resolve_name(path).label for name, path in controllers(TASK).items()},
+    baselines={
+        **{name: BEFORE.baselines[name] for name in MARKS},
+        "into-current": Baseline("Bow into the current", "into-current"),
+        "oracle": Baseline("Reference: knows the truth, limited by thrust", "oracle"),
+    },
+    scale=(0.018, 0.703),  # ./run performance headroom
+    experiment="seamark.sim.benchmarks.currents_v3.experiment:EXPERIMENT",
+    # block: both vehicles; all fresh trials share a seed, which divides the directions among them.
+    protocol=RankedProtocol(
+        reference_trials=8,
+        fresh_trials=STRATA * len(ALTERNATING),
+        block=len(ALTERNATING),
+        shared_seed=True,
+    ),
+)
