@@ -1,6 +1,6 @@
 """Hold station before a weight on the seabed by an imaging sonar alone.
 
-    seamark run track-v1 examples/sonar/main.py --set sonar=forward --set levels=0.2
+    seamark run track-v1 --controller examples/sonar/main.py --set sonar=forward --set levels=0.2
 
 A level of track-v1 begins above the weight. The program backs off until the weight is in the image,
 finds its echo, and then keeps it where it is: STANDOFF_M away and straight ahead, in the current.
