@@ -36,9 +36,20 @@ MOTION_HELD = Metric(
 MARKS = {
     "nothing": Baseline("Nothing: the corners of the start for ever", "nothing"),
     "silent": Baseline("Silent: reports a loss in every image", "silent"),
+    "blind": Baseline("Blind after four images: constant velocity", "blind"),
+    "match": Baseline("Whole image: match of its middle", "whole-image-match"),
+    "filter": Baseline("Whole image: correlation filter", "whole-image-filter"),
+    "box": Baseline("Box tracker", "built-in", {"tracker": "box"}),
+    "zncc-homography": Baseline(
+        "Template tracker, ZNCC, homography",
+        "built-in",
+        {"criterion": "zncc", "warp": "homography"},
+    ),
     "zncc-srt": Baseline(
         "Template tracker, ZNCC, SRT", "built-in", {"criterion": "zncc", "warp": "srt"}
     ),
+    "mosse": Baseline("MOSSE", "built-in", {"tracker": "mosse"}),
+    "ideal": Baseline("Ideal observer: knows all but the place", "ideal"),
     "oracle": Baseline("Oracle: the true corners", "oracle"),
 }
 _FOLLOWED = partial(followed_metrics, metrics=METRICS)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from performance.statistics.visibility_attacks import Always, Playback, Remembering, stored_paths
@@ -112,6 +112,7 @@ def test_an_image_replayed_from_telemetry_shows_the_target_where_it_was() -> Non
 
 
 @pytest.mark.slow
+@settings(max_examples=20)
 @given(seed=seeds, motion_px=st.sampled_from([2.0, 10.0]))
 def test_the_corners_move_by_the_motion_of_the_level_on_average(seed, motion_px) -> None:
     config = ENTRY.read({})
@@ -141,6 +142,7 @@ def test_every_jump_has_the_size_of_its_level_and_the_target_has_a_part_in_it() 
 
 
 @pytest.mark.slow
+@settings(max_examples=40)
 @given(seed=seeds, trial=st.integers(0, 31))
 def test_the_target_stays_in_the_image_wherever_and_however_it_lies(seed, trial) -> None:
     config = ENTRY.read({})
@@ -231,20 +233,16 @@ WATER = {"turbidity_levels": [0.0, 5.0], "motion_levels": [4.0, 8.0], "jump_leve
 def test_to_follow_the_whole_image_wins_over_a_standing_target_and_loses_over_a_moving_one(
     cheat: Callable[[], Any],
 ) -> None:
-    srt: dict[str, Any] = {"warp": "srt", "level_duration_s": 2.0}
-    moving = [
-        ran(solution, seed=seed, **WATER | srt).score
-        for seed in (5, 6)
-        for solution in (cheat(), None)
-    ]
-    standing = [
-        ran(solution, seed=seed, **WATER | srt | STILL).score
-        for seed in (5, 6)
-        for solution in (cheat(), None)
+    moving: dict[str, Any] = WATER | {"tracker": "box", "level_duration_s": 2.0}
+    standing = moving | STILL
+
+    gains = [
+        [ran(cheat(), seed=seed, **where).score - ran(seed=seed, **where).score for seed in (5, 6)]
+        for where in (standing, moving)
     ]
 
-    assert sum(standing[::2]) > sum(standing[1::2])
-    assert sum(moving[::2]) < sum(moving[1::2])
+    assert sum(gains[0]) > 0.5
+    assert sum(gains[1]) < -0.5
 
 
 @pytest.mark.slow
