@@ -81,6 +81,7 @@ TASK_CONTROLLERS = {
         "los": "seamark.sim.control.track.guidance:LineOfSight",
         "mpc": "seamark.sim.control.track.mpc:RouteMpc",
         "into-flow": "seamark.sim.control.track.guidance:IntoFlow",
+        "l1": "seamark.sim.control.track.l1:AdaptiveLineOfSight",
         "pi": "seamark.sim.control.position.pi:Controller",
         "p": "seamark.sim.control.position.p:Controller",
     },

@@ -5,6 +5,7 @@ units and meaning of its fields, and `named` returns them by name. With images i
 packed observation as STATE and the newest image of each camera.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -54,6 +55,7 @@ _BOUNDS = {
     "confidence": (0.0, 1.0),
     "fix_age": (-1.0, _UNBOUNDED),
     "fix_sigma": (0.0, _UNBOUNDED),
+    "pipe_angle": (-math.pi, math.pi),
     "image_t": (0.0, _UNBOUNDED),
 }
 

@@ -161,6 +161,7 @@ class InCurrent(Generic[Settings]):
     def camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of a level."""
         here = self.at(config, seed=seed, trial=trial, level=level)
+        course = self.course(config, seed=seed, trial=trial, level=level)
         return build_camera(
             here,
             self.water(here, seed=seed, trial=trial),
@@ -168,6 +169,7 @@ class InCurrent(Generic[Settings]):
             target=self.target(config, seed=seed, trial=trial),
             workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),
+            pipe=None if course is None else course.pipe,
         )
 
     def first_camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:

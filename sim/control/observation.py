@@ -29,7 +29,12 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
         "to a point ahead, by the built-in navigation",
     ),
     ("error_px", 2, "px", "tracked target minus image centre (x right, y down)"),
-    ("target_visible", 0, "", "whether the tracker has the target now; always on a route"),
+    (
+        "target_visible",
+        0,
+        "",
+        "whether the tracker has the target now; of a pipe, the detector; always on another route",
+    ),
     ("target_age", 0, "s", "time since the tracker last had the target"),
     ("velocity", 3, "m/s", "last velocity over ground from the DVL, body frame"),
     ("velocity_valid", 0, "", "whether the last DVL measurement was good"),
@@ -56,6 +61,7 @@ SEARCH_FIELDS: tuple[tuple[str, int, str, str], ...] = (
 )
 SEARCH_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in SEARCH_FIELDS)
 ROUTE_POINTS = 32
+PIPE = "pipe"  # the kind of a route that is not told, but has to be seen
 # What follows where a route has to be followed.
 ROUTE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     (
@@ -63,11 +69,20 @@ ROUTE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
         3 * ROUTE_POINTS,
         "m",
         f"{ROUTE_POINTS} points, the same over a level, joined by straight lines: north and east "
-        "of where the vehicle is said to have started, and depth of each",
+        "of where the vehicle is said to have started, and depth of each; of a pipe, how it would "
+        "go on straight",
     ),
     ("fix", 2, "m", "position by the last acoustic fix: north and east of the same place"),
     ("fix_age", 0, "s", "time since it was there; -1 before the first fix"),
     ("fix_sigma", 0, "m", "standard deviation of each of its two numbers"),
+    (
+        "pipe_offset",
+        0,
+        "m",
+        "how far to starboard of its own direction the pipe is, by where the detector last saw it; "
+        "0 on another route",
+    ),
+    ("pipe_angle", 0, "rad", "of this direction from the bow, clockwise"),
 )
 ROUTE_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in ROUTE_FIELDS)
 # What follows where a program is given images (`Observation.images`).

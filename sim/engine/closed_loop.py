@@ -23,6 +23,7 @@ from seamark.sim.engine.perception import (
     Tracked,
     perceive,
 )
+from seamark.sim.engine.pipe_in_loop import PipeInLoop, PipeReport
 from seamark.sim.engine.program import (
     Autopilot,
     BuiltIn,
@@ -30,6 +31,7 @@ from seamark.sim.engine.program import (
     Command,
     ImageProgram,
     Program,
+    RouteOracle,
 )
 from seamark.sim.engine.route_in_loop import RouteInLoop
 from seamark.sim.engine.search_in_loop import SearchInLoop, SearchReport
@@ -122,10 +124,15 @@ class ClosedLoop:
         world = self._world
         if world.course is None:
             return None
+        pipe = None
+        if isinstance(world.tracking, PipeInLoop):
+            late = world.conditions.camera_delay_steps
+            pipe = PipeReport(world.tracking, self._seen, world.optics, late=late)
         return RouteInLoop(
             *(world.course, self.observation, first, world.start[:3]),
             steps=self._steps,
             step_s=self._dt,
+            pipe=pipe,
         )
 
     def run(self, on_rows: OnRows) -> None:
@@ -265,6 +272,8 @@ class ClosedLoop:
         if self._oracle is not None:
             world = self._world
             self._oracle.attach(world.plant, world.station, world.tool_m)
+            if isinstance(self._oracle, RouteOracle) and world.course is not None:
+                self._oracle.follow(world.course.route_m)
         if self._camera_program is not None:
             self._camera_program.look_through(self._image)
         self._program.reset(

@@ -64,6 +64,14 @@ class Oracle(Protocol):
 
 
 @runtime_checkable
+class RouteOracle(Protocol):
+    """An `Oracle` that is given the true route."""
+
+    def follow(self, route: Array) -> None:
+        """Take the points of a level's route, (k, 3) NED [m]; after `attach`, before `reset`."""
+
+
+@runtime_checkable
 class CameraProgram(Protocol):
     """A `Program` that looks through the camera; one in a box has no such method."""
 

@@ -8,15 +8,19 @@ import numpy as np
 from seamark.sim.control.observation import ROUTE_NUMBERS, ROUTE_POINTS, STARTS
 from seamark.sim.control.track.guide import Guide
 from seamark.sim.control.track.navigation import Measured, to_body
+from seamark.sim.control.track.pipe_guide import PipeGuide
+from seamark.sim.engine.pipe_in_loop import PipeReport
 from seamark.sim.metrics.following import REACH_M, REJOIN_M, WINDOW_M
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.libm import sincos
+from seamark.sim.numerics.libm import atan2, sincos
 from seamark.sim.numerics.polyline import nearest, starts_of
+from seamark.sim.physics.pipe import Pipe
 from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, ROUTE_WIDTH, WIDTH
 from seamark.sim.sensors.usbl import Noise, Usbl
 
 _ROUTE = slice(0, 3 * ROUTE_POINTS)
 _FIX = slice(_ROUTE.stop, _ROUTE.stop + 4)  # north, east, age, standard deviation
+_PIPE = slice(_FIX.stop, _FIX.stop + 2)  # offset, angle
 GUIDE_M = 1.0  # E: how far ahead of the nearest point the position error points
 NO_FIX = -1.0  # age of a fix before the first one
 _POINT, _ALONG = ROUTE_INDEX["route_x"] - WIDTH, ROUTE_INDEX["route_along"] - WIDTH
@@ -31,6 +35,8 @@ class Course:
     """What is to be followed in a level, and what the vehicle is told of its position."""
 
     route_m: Array  # (ROUTE_POINTS, 3) NED
+    told_m: Array  # likewise, what the vehicle is told of it
+    pipe: Pipe | None = None  # below the route, which has to be seen then
     boat_m: Array  # (3,) NED, the acoustic transceiver
     start_error_m: tuple[float, float]  # north, east, of where the vehicle is said to start
     most_start_error_m: float  # that this may be
@@ -50,8 +56,9 @@ class RouteInLoop:
         *,
         steps: int,
         step_s: float,
+        pipe: PipeReport | None = None,
     ) -> None:
-        """Set up a level of `steps` control steps.
+        """Set up a level of `steps` control steps, with a pipe to look for or without.
 
         The part of the observation that is about the route begins at index `first`; `start_m` is
         where the vehicle starts, (3,) NED.
@@ -63,11 +70,16 @@ class RouteInLoop:
         self._origin = start_m[:2] + course.start_error_m  # of all positions that are told
         self._step_s = step_s
         self._along = 0.0
-        told = self._points.copy()
+        told = course.told_m.copy()
         told[:, :2] -= self._origin
         seen[_ROUTE] = told.ravel()
         seen[_FIX] = 0.0, 0.0, NO_FIX, 0.0
-        self._guide = Guide(told, GUIDE_M, course.most_start_error_m)
+        self._pipe = pipe
+        self._guide: Guide | PipeGuide = Guide(told, GUIDE_M, course.most_start_error_m)
+        if pipe is not None:
+            north, east = (told[1, :2] - told[0, :2]).tolist()
+            pipe.begin(atan2(east, north))
+            self._guide = PipeGuide(told, GUIDE_M)
 
     def measure(self, step: int, pose: Array, row: Array) -> None:
         """Fill the columns of a row, and the observation."""
@@ -76,9 +88,10 @@ class RouteInLoop:
         self._usbl.step(step, pose[:3])
         self._report(step, columns)
         columns[_BOAT : _BOAT + 3] = self._boat
-        row[_ERROR] = self._observation[_SEEN_ERROR] = self._way()
-        self._observation[STARTS["target_visible"]] = 1.0
-        self._observation[STARTS["target_age"]] = 0.0
+        row[_ERROR] = self._observation[_SEEN_ERROR] = self._way(step)
+        if self._pipe is None:
+            self._observation[STARTS["target_visible"]] = 1.0
+            self._observation[STARTS["target_age"]] = 0.0
 
     def _follow(self, position: Array, columns: Array) -> None:
         length = float(self._starts[-1])
@@ -96,7 +109,7 @@ class RouteInLoop:
         starboard = (ahead * y - side * x) / level if level > 0.0 else 0.0
         columns[_ALONG : _ALONG + 5] = self._along, length, off, starboard, z
 
-    def _way(self) -> tuple[float, float, float]:
+    def _way(self, step: int) -> tuple[float, float, float]:
         """Return how far to move to the point to steer for, by what the vehicle knows, body."""
         seen = self._observation
         fix_north, fix_east, age, sigma = self._seen[_FIX].tolist()
@@ -109,7 +122,11 @@ class RouteInLoop:
             fix=(fix_north, fix_east),
             fix_age=age,
             fix_sigma=sigma,
+            pipe=(0.0, 0.0),
         )
+        if self._pipe is not None:
+            beside = self._pipe.beside(step, now, seen)
+            self._seen[_PIPE], now = beside, now._replace(pipe=beside)
         self._guide.update(now)
         north, east, down, _length = self._guide.to_aim()
         return *to_body(north, east, now.yaw), down

@@ -4,19 +4,21 @@ Where nothing is compiled yet, several processes do that together.
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 
 import cv2
 
 from seamark.sim import detectors, registry, trackers
 from seamark.sim.control.mpc import horizon
+from seamark.sim.control.observation import PIPE
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.multibody import hull
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
 from seamark.sim.physics import plant
 
+WITH_CAMERA = {"track-v1": {"route": PIPE}}  # what a benchmark's first trial does not have
 WITH_ARM = {"vehicle": "bluerov2-heavy-v2", "arm": "alpha-like"}
 OnPart = Callable[[int, int], None]
 
@@ -38,6 +40,7 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     parts = {"plant": plant.warm_up, "contacts": hull.warm_up, "trackers": trackers.warm_up}
     parts |= {"detectors": detectors.warm_up, "horizon": horizon.warm_up}
     parts |= {name: partial(_shortest_trial, name) for name in registry.BENCHMARKS}
+    parts |= _further(registry.BENCHMARKS)
     parts["arm"] = partial(_shortest_trial, registry.DEFAULT_BENCHMARK, **WITH_ARM)
     parts["sonar"] = partial(_shortest_trial, "track-v1", sonar="forward")
     names = list(parts)
@@ -51,7 +54,16 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
 def warm_up_benchmark(name: str) -> None:
     """Load what runs of one benchmark need with its defaults."""
     cv2.setNumThreads(1)
-    run_parts({name: partial(_shortest_trial, name)}, numba_folder(os.environ))
+    run_parts({name: partial(_shortest_trial, name)} | _further([name]), numba_folder(os.environ))
+
+
+def _further(names: Iterable[str]) -> dict[str, Callable[[], None]]:
+    """Return the parts of benchmarks beside their shortest trials."""
+    return {
+        f"{name}-further": partial(_shortest_trial, name, **WITH_CAMERA[name])
+        for name in names
+        if name in WITH_CAMERA
+    }
 
 
 def _shortest_trial(name: str, **settings: object) -> None:

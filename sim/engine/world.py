@@ -11,6 +11,7 @@ from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import MOUNT_M, Optics
+from seamark.sim.camera.pipe_camera import PipeCamera
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
 from seamark.sim.control.observation import (
@@ -24,6 +25,7 @@ from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.detectors import Detector
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
+from seamark.sim.engine.pipe_in_loop import PipeInLoop
 from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.search_in_loop import SearchInLoop
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, Untracked, draw_start_error
@@ -40,6 +42,7 @@ from seamark.sim.physics import constants
 from seamark.sim.physics.bullet import BulletEngine
 from seamark.sim.physics.contact import Contact, TargetBox
 from seamark.sim.physics.current import Current
+from seamark.sim.physics.pipe import Pipe
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import Bottom, Relief, draw_relief
 from seamark.sim.physics.thruster_faults import ThrusterFault
@@ -176,15 +179,19 @@ def build_camera(
     target: Target | None = None,
     workpiece: Workpiece | None = None,
     bottom: Tiles | None = None,
+    pipe: Pipe | None = None,
 ) -> Camera:
     """Return the camera above the target: the part of a world that renders images.
 
     `target` is used instead of that of the settings; `workpiece` is what the arm works on, and
-    `bottom` the seabed that a camera beside an arm sees, if it is not the plain one.
+    `bottom` the seabed that a camera beside an arm sees, if it is not the plain one; `pipe` is what
+    lies on the bottom where one is followed.
     """
     configured, optics = target_and_optics(config)
     target = target or configured
     arm, effects = config.chosen_arm(), _effects(config)
+    if pipe is not None:
+        return PipeCamera(optics, water, target, pipe, noise_seed=noise_seed)
     if arm is None:
         return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
     vehicle = load(config.vehicle)
@@ -250,11 +257,16 @@ def build_world(
             target=conditions.target,
             workpiece=conditions.workpiece,
             bottom=conditions.bottom,
+            pipe=None if conditions.course is None else conditions.course.pipe,
         )
 
     camera = camera_in(conditions.water)
     reference = None if conditions.reference is None else camera_in(conditions.reference)
-    if craft.course is not None:
+    tracking: Untracked
+    if isinstance(camera, PipeCamera):
+        altitude_m, step_s = config.altitude_m, config.control_period_s
+        tracking = PipeInLoop(camera, altitude_m=altitude_m, step_s=step_s)
+    elif craft.course is not None:
         tracking = Untracked(camera)
     elif isinstance(config, SearchSettings):
         tracking = SearchInLoop(camera, config, tracker=tracker, detector=detector)

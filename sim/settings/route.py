@@ -5,20 +5,19 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
+from seamark.sim.control.observation import PIPE
 from seamark.sim.settings.experiment import ExperimentSettings, multiple
 from seamark.sim.settings.setting import setting
 
 GROUP, FIXES = "Route", "Acoustic fixes"
 EACH = "each"
 WAYPOINTS, HELIX, LEMNISCATE = "waypoints", "helix", "lemniscate"
-KINDS = {WAYPOINTS: "Waypoints", HELIX: "Helix", LEMNISCATE: "Lemniscate"}
-_OF_TARGET = frozenset(
-    {
-        *("target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error"),
-        *(f"corner_{at}" for at in range(8)),
-        *("error_x", "error_y", "error_z", "error_x_px", "error_y_px", "distance", "distance_px"),
-    }
-)
+KINDS = {WAYPOINTS: "Waypoints", HELIX: "Helix", LEMNISCATE: "Lemniscate", PIPE: "Pipe"}
+_OF_PIPE = frozenset({"tracked_x", "tracked_y", "tracker_ok", *(f"corner_{at}" for at in range(8))})
+_OF_TARGET = _OF_PIPE | {
+    *("target_x", "target_y", "tracker_error"),
+    *("error_x", "error_y", "error_z", "error_x_px", "error_y_px", "distance", "distance_px"),
+}
 route_setting = partial(setting, group=GROUP, role="scenario")
 fix_setting = partial(setting, group=FIXES, role="scenario", advanced=True)
 
@@ -41,6 +40,39 @@ class RouteSettings(ExperimentSettings):
         high=100,
         tag="E",
         source="0.25 m/s on average over the time of a level",
+    )
+    pipe_height_m: float = route_setting(
+        2.4,
+        title="Height above the pipe",
+        help="Of the camera above the top of the pipe, on the route that is to be followed there.",
+        unit="m",
+        low=1.5,
+        high=4,
+        tag="E",
+        source="visual inspection: the width of the image is seven times that of the pipe",
+        advanced=True,
+    )
+    pipe_turbidity_1_m: float = route_setting(
+        0.8,
+        title="Turbidity above a pipe",
+        help="Largest attenuation of the water where a pipe is followed; drawn evenly for each "
+        "trial, from 0.2 1/m or this, if that is less.",
+        unit="1/m",
+        low=0,
+        high=3,
+        tag="E",
+        source="clear coast; a seventh of the contrast is left from that height",
+        advanced=True,
+    )
+    pipe_covered: int = route_setting(
+        3,
+        title="Covered stretches",
+        help="How many stretches of a pipe lie under sand.",
+        low=0,
+        high=6,
+        tag="E",
+        source="a few of 1 to 2.5 m on 30 m",
+        advanced=True,
     )
     start_error_m: float = fix_setting(
         1.5,
@@ -130,7 +162,8 @@ class RouteSettings(ExperimentSettings):
 
     def unused_columns(self) -> frozenset[str]:
         """Return those of a camera above its target too: nobody looks at the weight."""
-        return super().unused_columns() | _OF_TARGET
+        seen = self.route in {EACH, PIPE}
+        return super().unused_columns() | (_OF_TARGET - _OF_PIPE if seen else _OF_TARGET)
 
     def route_kind(self, trial: int) -> str:
         """Return the kind of the route of a trial."""

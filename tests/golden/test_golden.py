@@ -73,6 +73,7 @@ SHORT: dict[str, dict[str, object]] = {
 ARMS = {"bluerov2-heavy": "alpha-like", "bluerov2-heavy-v2": "alpha-like"}  # where they need one
 FURTHER: dict[str, tuple[str, dict[str, object]]] = {
     "currents-v1-girona500-esm": ("currents-v1", {"vehicle": "girona500", "tracker": "esm"}),
+    "track-v1-girona500-pipe": ("track-v1", {"vehicle": "girona500", "route": "pipe"}),
     "visibility-v1-fixed-esm": ("visibility-v1", {"mode": "fixed", "tracker": "esm"}),
 }
 

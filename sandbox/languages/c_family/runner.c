@@ -64,6 +64,8 @@ static const struct field FIELDS[] = {
     {"fix", AT(fix), 2, 0},
     {"fix_age", AT(fix_age), 1, 0},
     {"fix_sigma", AT(fix_sigma), 1, 0},
+    {"pipe_offset", AT(pipe_offset), 1, 0},
+    {"pipe_angle", AT(pipe_angle), 1, 0},
     {"image_t", AT(image_t), 1, 0},
 };
 

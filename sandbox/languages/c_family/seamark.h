@@ -67,6 +67,9 @@ typedef struct seamark_observation {
     double fix[2];    /* [m] position by the last acoustic fix, north and east of the same place */
     double fix_age;   /* [s] since it was there; -1 before the first fix */
     double fix_sigma; /* [m] standard deviation of each of its two numbers */
+    double pipe_offset; /* [m] how far to starboard of its own direction the pipe is, by where the
+                           detector last saw it; 0 on another route */
+    double pipe_angle;  /* [rad] of this direction from the bow, clockwise */
     /* With the setting `images` or `sonar`: */
     double image_t;        /* [s] simulated time at which the newest images were taken */
     seamark_images images; /* grey; all their cameras take them at once */

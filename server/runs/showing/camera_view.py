@@ -26,6 +26,7 @@ from seamark.server.runs.showing.detections import answered, missed
 from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
+from seamark.sim.control.observation import PIPE
 from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.sim.numerics.shared_parts import run_parts
 from seamark.sim.recording.telemetry import (
@@ -150,15 +151,16 @@ def warm_up() -> None:
     What a worker on this machine is compiling is left until it is done.
     """
     parts = {name: partial(_render_one, name) for name in registry.BENCHMARKS}
+    parts |= {PIPE: partial(_render_one, "track-v1", route=PIPE)}
     run_parts(parts, numba_folder(os.environ))
     _warm.set()
     _log.info("camera_warm")
 
 
-def _render_one(benchmark: str) -> None:
+def _render_one(benchmark: str, **settings: str) -> None:
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
 
-    config = registry.benchmark(benchmark).read({})
+    config = registry.benchmark(benchmark).read(settings)
     row = np.zeros(config.telemetry_shape()[1])
     with _lock:
         frame = Replay(benchmark, config, lambda _trial: 0).frame(row)
@@ -209,10 +211,12 @@ def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     """Draw the image centre, the tracked outline and, thin on top, the true outline.
 
     Of a row with detections, draw these instead; of one of a search, also the answer. Where a route
-    is followed, nobody looks at a target.
+    is followed, nobody looks at a target, but perhaps at a pipe, of which the outline is drawn.
     """
-    if not (drawn.tracked or drawn.truth) or has_route(len(row)):
+    if not (drawn.tracked or drawn.truth):
         return image
+    if has_route(len(row)):
+        return _with_pipe(image, row, drawn)
     if has_detections(len(row)):
         return _with_detections(image, row, drawn)
     import cv2  # noqa: PLC0415 - loads OpenCV
@@ -229,6 +233,13 @@ def annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
         _outline(image, truth, AMBER, 1)
     if answers:
         _label_answer(image, row)
+    return image
+
+
+def _with_pipe(image: Image, row: Row, drawn: Drawn) -> Image:
+    """Return an image with the piece of a pipe that the detector last saw."""
+    if drawn.tracked and row[INDEX["tracker_ok"]] == 1.0:
+        _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 2)
     return image
 
 

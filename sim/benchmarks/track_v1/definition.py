@@ -40,6 +40,7 @@ BUILT_IN = {
     "los": "Line of sight",
     "mpc": "MPC along the route, bow into the flow",
     "into-flow": "Integral line of sight, bow into the flow",
+    "l1": "Line of sight, L1 adaptive velocity",
     "pi": "PI on the way to a point ahead",
     "p": "P on the way to a point ahead",
 }
@@ -56,8 +57,9 @@ BENCHMARK = Benchmark(
     name="track-v1",
     title="Follow a route",
     summary=(
-        "Follow waypoints, helices and lemniscates by DVL, compass and sparse acoustic fixes, in "
-        "currents of up to 0.8 m/s, with two vehicles that are not quite as their data sheets say."
+        "Follow waypoints, helices and lemniscates by DVL, compass and sparse acoustic fixes, and "
+        "a pipe by camera, in currents of up to 0.8 m/s, with two vehicles that are not quite as "
+        "their data sheets say."
     ),
     question="Which programs follow a route most closely in the strongest current?",
     participants="programs",
@@ -118,5 +120,5 @@ BENCHMARK = Benchmark(
         ),
     },
     # block: both vehicles on one kind of route.
-    protocol=RankedProtocol(reference_trials=6, fresh_trials=24, block=2),
+    protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
 )

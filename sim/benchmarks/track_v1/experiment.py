@@ -8,9 +8,11 @@ import numpy as np
 
 from seamark.sim.benchmarks.in_current import InCurrent
 from seamark.sim.benchmarks.level_area import area_over_current, held_up_to
-from seamark.sim.benchmarks.track_v1.routes import draw_route
-from seamark.sim.benchmarks.track_v1.settings import MARK, SEABED_M, TrackConfiguration
+from seamark.sim.benchmarks.track_v1.routes import draw_route, lay_pipe
+from seamark.sim.benchmarks.track_v1.settings import PIPE_RADIUS_M, SEABED_M, TrackConfiguration
 from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.camera.water import Water
+from seamark.sim.control.observation import PIPE
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
@@ -21,6 +23,7 @@ from seamark.sim.metrics.tool_point import HELD_QUALITY
 from seamark.sim.metrics.windows import LevelFacts
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import polar
+from seamark.sim.numerics.polyline import starts_of
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import Rows
@@ -33,6 +36,7 @@ NOT_FOLLOWED = (
     f"In the {WEAK_LEVELS} weakest currents of a trial, the vehicle did not get on along "
     f"{RANKED_PERCENT:g} % of the route."
 )
+CLEAR_1_M = 0.2  # E: the least turbid water above a pipe: clear ocean
 BOAT_DEPTH_M = 2.0  # E: of the transceiver
 
 
@@ -58,7 +62,7 @@ class FollowRoute(InCurrent[TrackConfiguration]):
             self.course(config, seed=seed, trial=trial, level=level)
             for level in range(len(config.level_values()))
         ]
-        told = {
+        told: dict[str, Any] = {
             "vehicle_name": own.vehicle,
             "route_kind": own.route,
             "routes": [course.route_m.tolist() for course in courses],
@@ -66,17 +70,30 @@ class FollowRoute(InCurrent[TrackConfiguration]):
             "start_errors": [list(course.start_error_m) for course in courses],
         }
         stretches = self.stretches(config, seed=seed, trial=trial)
+        pipes = [_told_of(course) for course in courses if course.pipe is not None]
+        if pipes:
+            water = self.water(own, seed=seed, trial=trial)
+            told |= {"pipes": pipes, "pipe_attenuation_1_m": water.attenuation[0]}
         return TrialPlan(order=drawn.order, conditions=told | drawn.as_dict() | stretches)
 
     def target(self, config: TrackConfiguration, *, seed: int, trial: int) -> Target:
-        """Return the weight on the bottom, below the start."""
+        """Return the weight on the bottom, below the start, or what of a pipe is there."""
+        shape = config.for_trial(trial).target_shape()
         return Target(
-            length_m=MARK.length_m,
-            width_m=MARK.width_m,
-            height_m=MARK.height_m,
+            length_m=shape.length_m,
+            width_m=shape.width_m,
+            height_m=shape.height_m,
             seabed_m=SEABED_M,
-            lettered=MARK.lettered,
+            lettered=shape.lettered,
         )
+
+    def water(self, config: TrackConfiguration, *, seed: int, trial: int) -> Water:
+        """Return the water of a trial, which is more or less turbid above a pipe."""
+        if config.route != PIPE:
+            return super().water(config, seed=seed, trial=trial)
+        least = min(CLEAR_1_M, config.pipe_turbidity_1_m)
+        share = streams(seed, trial, 0).trial_water.random()
+        return Water.grey(least + (config.pipe_turbidity_1_m - least) * share)
 
     def course(self, config: TrackConfiguration, *, seed: int, trial: int, level: int) -> Course:
         """Return the route of a level and the boat."""
@@ -89,8 +106,14 @@ class FollowRoute(InCurrent[TrackConfiguration]):
         start = start_pose(optics, target, here.altitude_m)[:3]
         route = draw_route(here.route, here.route_length_m, start, random.route)
         shares = random.route.random(4).tolist()
+        pipe, told = None, route
+        if here.route == PIPE:
+            pipe = lay_pipe(route, SEABED_M, PIPE_RADIUS_M, here.pipe_covered, random.route)
+            told = _straight_on(route)
         return Course(
             route_m=route,
+            told_m=told,
+            pipe=pipe,
             boat_m=_boat(here, start, shares[:2]),
             start_error_m=polar(here.start_error_m * math.sqrt(shares[2]), shares[3]),
             most_start_error_m=here.start_error_m,
@@ -135,6 +158,25 @@ class FollowRoute(InCurrent[TrackConfiguration]):
             reason="" if got_on else NOT_FOLLOWED,
             overall=over_run(METRICS, levels),
         )
+
+
+def _straight_on(route: Array) -> Array:
+    """Return what is told of a pipe: its length in the direction in which it begins."""
+    starts, shares = starts_of(route), np.arange(len(route)) / (len(route) - 1)
+    told: Array = route[0] + starts[-1] * shares[:, None] * ((route[1] - route[0]) / starts[1])
+    return told
+
+
+def _told_of(course: Course) -> dict[str, Any]:
+    """Return what a trial's conditions say of a pipe [m]; what is covered, by arc length."""
+    pipe = course.pipe
+    assert pipe is not None  # noqa: S101 - of a level with a pipe
+    return {
+        "axis": pipe.axis_m.tolist(),
+        "seabed": pipe.seabed_m,
+        "radius": pipe.radius_m,
+        "covered": pipe.covered_m.tolist(),
+    }
 
 
 def _boat(config: TrackConfiguration, start: Array, shares: list[float]) -> Array:

@@ -8,10 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from seamark.sim.control.observation import ROUTE_POINTS
+from seamark.sim.control.observation import PIPE, ROUTE_POINTS
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.polyline import starts_of
+from seamark.sim.physics.pipe import Pipe, pipe_along
 from seamark.sim.settings.route import HELIX, LEMNISCATE, WAYPOINTS
 
 LEGS = 5  # of the waypoints
@@ -20,6 +21,15 @@ DEPTHS = 0.06  # E: greatest rise or fall of a corner from the start, as a share
 LEAST_RADIUS, MOST_RADIUS = 0.1, 0.15  # of the helix, as a share of the length of the route; E
 RISE = 0.08  # E: of the whole helix, as a share of the length
 TILT_RAD = 0.25  # E: greatest tilt of the lemniscate
+BENDS = 4  # of a pipe
+LEAST_BEND_RAD, MOST_BEND_RAD = 0.35, 0.9  # E: of each, to either side; so it cannot cross itself
+BEND_RADIUS = 0.1  # E: as a share of the length; real ones are wider, so nothing is easier here
+BEYOND_M = 4.0  # E: how far the pipe goes on straight at both ends of the route
+BARE_M = 4.0  # E: at the beginning of the route
+SHORTEST_M, LONGEST_M = 1.0, 2.5  # E: stretches under sand
+# E: albedo in red, green and blue of black polyethylene, bitumen and overgrown concrete
+COATS = ((0.09, 0.09, 0.10), (0.17, 0.12, 0.08), (0.24, 0.25, 0.22))
+MOST_COVERED = 6  # stretches for which numbers are drawn
 _FINE = 16  # points between two of a smooth route, to measure its length by
 
 
@@ -95,6 +105,54 @@ def _lemniscate(shares: list[float]) -> Array:
     return fine[picked]
 
 
+def _bends(shares: list[float]) -> Array:
+    """Return a level route of length 1, straight but for a few bends to either side."""
+    lengths = [0.6 + 0.8 * share for share in shares[1 : 1 + LEGS]]
+    bends, reached = [], 0.0
+    for length, share in zip(lengths[:BENDS], shares[1 + LEGS :], strict=False):
+        reached += length / sum(lengths)
+        side = 2.0 * share - 1.0
+        size = LEAST_BEND_RAD + (MOST_BEND_RAD - LEAST_BEND_RAD) * abs(side)
+        arc = BEND_RADIUS * size
+        bends.append((reached - 0.5 * arc, arc, math.copysign(size, side)))
+    count = _FINE * (ROUTE_POINTS - 1)
+    fine = np.zeros((count + 1, 3))
+    for i in range(count):
+        along = (i + 0.5) / count
+        heading = math.fsum(
+            turn * min(max((along - start) / arc, 0.0), 1.0) for start, arc, turn in bends
+        )
+        sine, cosine = sincos(heading)
+        fine[i + 1] = fine[i] + np.array([cosine, sine, 0.0]) / count
+    return fine[::_FINE]
+
+
+def lay_pipe(
+    route: Array, seabed_m: float, radius_m: float, covered: int, random: np.random.Generator
+) -> Pipe:
+    """Return the pipe below a route, (k, 3) NED [m], with so many stretches under sand."""
+    shares = random.random(2 + 2 * MOST_COVERED).tolist()
+    first, last = route[1, :2] - route[0, :2], route[-1, :2] - route[-2, :2]
+    sizes = [math.sqrt(float(step @ step)) for step in (first, last)]
+    before = route[0, :2] - BEYOND_M / sizes[0] * first
+    after = route[-1, :2] + BEYOND_M / sizes[1] * last
+    bare = pipe_along(
+        np.vstack([before, route[:, :2], after]),
+        *(seabed_m, radius_m),
+        seed=int(shares[0] * 2**24),
+    )
+    room = float(starts_of(route)[-1]) - BARE_M
+    stretches = np.empty((covered, 2))
+    for i, (place, size) in enumerate(zip(shares[2::2], shares[3::2], strict=True)):
+        if i < covered:
+            length = min(SHORTEST_M + (LONGEST_M - SHORTEST_M) * size, room / covered)
+            start = BEYOND_M + BARE_M + i * room / covered
+            start += place * (room / covered - length)
+            stretches[i] = start, start + length
+    coat = np.array(COATS[int(len(COATS) * shares[1])])
+    return bare._replace(covered_m=stretches, coat=coat)
+
+
 def _turned(points: Array, angle: float) -> Array:
     """Return points (k, 3) turned about the vertical."""
     sine, cosine = sincos(angle)
@@ -108,4 +166,5 @@ _SHAPES: dict[str, Callable[[list[float]], Array]] = {
     WAYPOINTS: _waypoints,
     HELIX: _helix,
     LEMNISCATE: _lemniscate,
+    PIPE: _bends,
 }

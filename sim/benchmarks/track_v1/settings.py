@@ -5,6 +5,8 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from typing import Self
 
+from seamark.sim.camera.optics import VISIBILITY
+from seamark.sim.control.observation import PIPE
 from seamark.sim.metrics.following import METRICS
 from seamark.sim.settings.current_levels import CurrentLevels
 from seamark.sim.settings.custom_score import custom_score_setting
@@ -19,6 +21,9 @@ from seamark.sim.vehicles import load
 BOTH = "both"
 ALTERNATING = ("girona500", "bluerov2-heavy-v2")  # in even, in odd trials
 MARK = TargetShape("Concrete weight", 1.0, 0.6, 0.4, True)  # on the bottom, below the start
+PIPE_RADIUS_M = 0.2  # E: half of a trunk line of 16 inches
+# The piece of a pipe below the start; images show the pipe instead.
+PIPE_MARK = TargetShape("Pipe", 2.0 * PIPE_RADIUS_M, 2.0 * PIPE_RADIUS_M, PIPE_RADIUS_M, False)
 SEABED_M = 20.0  # [m] depth, E: inshore
 _SCENE = TrialSpreadSettings.model_fields
 
@@ -62,6 +67,10 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         tag="E",
         source="room for routes that rise and fall by 2 m",
     )
+    # Of the camera above a pipe: half the resolution of currents-v2, with the same field of view.
+    camera_width_px: int = override(_SCENE["camera_width_px"], VISIBILITY.width)
+    camera_height_px: int = override(_SCENE["camera_height_px"], VISIBILITY.height)
+    camera_focal_px: float = override(_SCENE["camera_focal_px"], VISIBILITY.focal_px)
     # Of a tracker, which this benchmark does not have.
     start_error_px: float = override(_SCENE["start_error_px"], 0.0, group="Tracker")
     start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
@@ -81,7 +90,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         high=1,
         tag="E",
         source="twice what the time needs on average",
-        applies={"controller": ("los", "ilos", "into-flow", "mpc", "blind", "upload")},
+        applies={"controller": ("los", "ilos", "into-flow", "l1", "mpc", "blind", "upload")},
     )
     lookahead_m: float = setting(
         0.6,
@@ -94,7 +103,7 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         high=5,
         tag="E",
         source="scan on seeds that no benchmark uses",
-        applies={"controller": ("los", "ilos", "into-flow", "blind", "upload")},
+        applies={"controller": ("los", "ilos", "into-flow", "l1", "blind", "upload")},
     )
     integral_gain: float = setting(
         0.1,
@@ -116,8 +125,8 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
 
     def target_shape(self) -> TargetShape:
-        """Return the weight on the bottom, below the start."""
-        return MARK
+        """Return the weight on the bottom, below the start, or what of a pipe is there."""
+        return PIPE_MARK if self.route == PIPE else MARK
 
     def base_levels(self) -> tuple[float, ...]:
         """Return the mean speeds [m/s] without a grid."""
@@ -128,9 +137,10 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         vehicles = self.vehicles()
         name = vehicles[trial % len(vehicles)]
         defaults = load(name).defaults if self.vehicle == BOTH else {}
-        return self.model_copy(
-            update={"vehicle": name, "route": self.route_kind(trial), **defaults}
-        )
+        kind = self.route_kind(trial)
+        # From where it is to be followed.
+        height = {"altitude_m": self.pipe_height_m} if kind == PIPE else {}
+        return self.model_copy(update={"vehicle": name, "route": kind, **defaults, **height})
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from pkgutil import resolve_name
 from typing import Any
 
-from seamark.sim.control.observation import ROUTE_POINTS, Observation
+from seamark.sim.control.observation import PIPE, ROUTE_POINTS, Observation
 from seamark.sim.control.position.vehicle_model import AXES, DisturbanceObserver, VehicleModel
 from seamark.sim.control.track.navigation import measured, to_body
+from seamark.sim.numerics.arrays import Array
 
 HEADING_GAIN_1_S, YAW_RAD_S = 0.8, 0.4  # E
 SLOW_1_S = 0.7  # [1/s] speed for each metre that is left to the end; E
@@ -24,15 +25,16 @@ Level = tuple[float, float]  # of the horizontal plane: north and east, or surge
 class LineOfSight:
     """Course and heading towards a point `lookahead_m` ahead on the route; depth likewise.
 
-    Config: `speed_m_s`, `lookahead_m`, `start_error_m`.
+    Config: `route`, `speed_m_s`, `lookahead_m`, `start_error_m`.
     """
 
     label = "Line of sight"
-    fixes = True
+    fixes, sees = True, True
 
     def __init__(self, config: Mapping[str, Any]) -> None:
         self._speed, self._lookahead = config["speed_m_s"], config["lookahead_m"]
         self._start_error = config["start_error_m"]
+        self._on_pipe = self.sees and config["route"] == PIPE
         # Compiled: only for runs.
         self._sincos = resolve_name("seamark.sim.numerics.libm:sincos")
         self._atan2 = resolve_name("seamark.sim.numerics.libm:atan2")
@@ -44,9 +46,7 @@ class LineOfSight:
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
         if self._guide is None:
-            guide = resolve_name("seamark.sim.control.track.guide:Guide")
-            route = observation.route.reshape(ROUTE_POINTS, 3)
-            self._guide = guide(route, self._lookahead, self._start_error, fixes=self.fixes)
+            self._guide = self._new_guide(observation.route.reshape(ROUTE_POINTS, 3))
         yaw = observation.attitude.item(2)
         sine, cosine = self._sincos(yaw)
         self._guide.update(measured(observation, sine, cosine))
@@ -55,6 +55,14 @@ class LineOfSight:
         self._look_at_water(observation, sine, cosine)
         rate = self._yaw_rate(self._bow((north, east)), yaw)
         return [*self._level(observation, wanted, sine, cosine), down, rate]
+
+    def _new_guide(self, route: Array) -> Any:
+        """Return what knows the way ahead, given the told route, (k, 3) [m]."""
+        if self._on_pipe:
+            along_pipe = resolve_name("seamark.sim.control.track.pipe_guide:PipeGuide")
+            return along_pipe(route, self._lookahead)
+        guide = resolve_name("seamark.sim.control.track.guide:Guide")
+        return guide(route, self._lookahead, self._start_error, fixes=self.fixes)
 
     def _velocity(self, dt: float) -> list[float]:
         """Return the velocity that is wanted, north, east, down [m/s]."""
@@ -88,10 +96,10 @@ class LineOfSight:
 
 
 class Blind(LineOfSight):
-    """Line of sight by dead reckoning alone. A mark that fixes have to beat."""
+    """Line of sight by dead reckoning alone. A mark that fixes and camera have to beat."""
 
     label = "Blind (DVL and compass alone)"
-    fixes = False
+    fixes, sees = False, False
 
 
 class IntegralLineOfSight(LineOfSight):

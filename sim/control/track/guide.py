@@ -35,6 +35,7 @@ class Guide:
         self._route, self._starts = route, starts_of(route)
         self.lookahead_m = lookahead_m
         self._navigation = Navigation(start_error_m, fixes=fixes)
+        self._places = np.empty((0, 6))  # on the route, a way of one control step apart
         self.along_m = 0.0
         self.position, self.here, self.aim = np.zeros(3), np.zeros(6), np.zeros(6)
 
@@ -53,13 +54,20 @@ class Guide:
         )
         at_length(self._route, self._starts, self.along_m + self.lookahead_m, self.aim)
 
-    def places(self, way_m: float, beyond: int) -> Array:
-        """Return places on the route so far apart, (k, 6), and two and `beyond` more of the end."""
-        count = int(float(self._starts[-1]) / way_m) + 3 + beyond
-        out = np.empty((count, 6))
-        for i in range(count):
-            at_length(self._route, self._starts, i * way_m, out[i])
-        return out
+    def ahead(self, way_m: float, steps: int) -> Array:
+        """Return the places ahead on the route, each `way_m` from the last, (steps, 6).
+
+        Both are the same in all calls. Beyond the end it is the end.
+        """
+        if not len(self._places):
+            count = int(float(self._starts[-1]) / way_m) + 3 + steps
+            self._places = np.empty((count, 6))
+            for i in range(count):
+                at_length(self._route, self._starts, i * way_m, self._places[i])
+        first, share = divmod(self.along_m / way_m, 1.0)
+        here = self._places[int(first) + 1 :]
+        ahead: Array = (1.0 - share) * here[:steps] + share * here[1 : steps + 1]
+        return ahead
 
     def to_aim(self) -> tuple[float, float, float, float]:
         """Return the way to the point to steer for: north, east, down and its length [m]."""

@@ -13,7 +13,6 @@ from seamark.sim.control.position.mpc import LATENCY_S, Thrusters
 from seamark.sim.control.position.vehicle_model import AXES
 from seamark.sim.control.track.guidance import IntoFlow, Level
 from seamark.sim.control.track.navigation import to_body
-from seamark.sim.numerics.arrays import Array
 
 HORIZON_S = 3.0  # E
 BANDWIDTH = 0.35  # E: times the sum of thruster lag and latency
@@ -53,7 +52,6 @@ class RouteMpc(IntoFlow):
         super().reset(level)
         self._filter = KalmanFilter(WATER_M_S2 * max(self._model.sensitivity))
         self._horizon.reset()
-        self._places: Array | None = None  # (k, 6) of the route, at the set speed a step apart
 
     def _look_at_water(self, observation: Observation, sine: float, cosine: float) -> None:
         super()._look_at_water(observation, sine, cosine)
@@ -85,11 +83,7 @@ class RouteMpc(IntoFlow):
     def _plan(self, dt: float, sine: float, cosine: float) -> None:
         """Set the reference: places from that of the vehicle, and velocities, body frame."""
         guide, way_m, steps = self._guide, self._speed * dt, self._reference.shape[1]
-        if self._places is None:
-            self._places = guide.places(way_m, steps)
-        first, share = divmod(guide.along_m / way_m, 1.0)
-        here = self._places[int(first) + 1 :]
-        ahead = (1.0 - share) * here[:steps] + share * here[1 : steps + 1]
+        ahead = guide.ahead(way_m, steps)
         moving = way_m * np.arange(1, steps + 1) < guide.left_m
         north, east = ahead[:, 0] - guide.position[0], ahead[:, 1] - guide.position[1]
         speed_north, speed_east = (self._speed * moving * ahead[:, 3 + axis] for axis in AXES)

@@ -25,6 +25,7 @@ class Measured(NamedTuple):
     fix: tuple[float, float]  # [m] north, east
     fix_age: float  # [s]; negative before the first fix
     fix_sigma: float  # [m]
+    pipe: tuple[float, float]  # offset [m] and angle [rad], as of the observation
 
 
 def measured(observation: Observation, sine: float, cosine: float) -> Measured:
@@ -39,6 +40,7 @@ def measured(observation: Observation, sine: float, cosine: float) -> Measured:
         fix=(fix.item(0), fix.item(1)),
         fix_age=observation.fix_age,
         fix_sigma=observation.fix_sigma,
+        pipe=(observation.pipe_offset, observation.pipe_angle),
     )
 
 

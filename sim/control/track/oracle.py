@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from seamark.sim.control.observation import ROUTE_POINTS, Observation
+from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.arrays import Array
 
 TIME_SHARE = 0.85  # E: of the time that is left, which it means to take for the rest of the route
@@ -34,21 +34,20 @@ class Oracle:
     def attach(self, plant: Any, station: Array, point: tuple[float, float] | None) -> None:
         """Take the plant of a level."""
         law = resolve_name("seamark.sim.control.inverse_dynamics:MovingGoal")
-        self._plant, self._first = plant, np.array(station[:2])
+        self._plant = plant
         self._law = law(plant, station, self._dt)
+
+    def follow(self, route: Array) -> None:
+        """Take the route of a level, (k, 3) NED [m]."""
+        self._route, self._starts = route, self._polyline.starts_of(route)
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Begin at the start of the route."""
         self._ends_s = level["t"] + level["duration_s"]
-        self._route: Any = None
         self._along, self._place = 0.0, np.zeros(6)
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Move the point on; return zero: the velocity controller is not used."""
-        if self._route is None:
-            self._route = observation.route.reshape(ROUTE_POINTS, 3).copy()
-            self._route[:, :2] += self._first - self._route[0, :2]  # what is told is off
-            self._starts = self._polyline.starts_of(self._route)
         left_m = float(self._starts[-1]) - self._along
         left_s = max(self._ends_s - observation.t, self._dt)
         self._polyline.at_length(self._route, self._starts, self._along, self._place)

@@ -188,12 +188,21 @@ export interface SearchData {
   mark: number;
 }
 
+/** A pipe on the seabed: its axis, north and east, and from and to which lengths of it sand covers it. */
+export interface PipeData {
+  axis: [number, number][];
+  seabed: number;
+  radius: number;
+  covered: [number, number][];
+}
+
 /** A route to follow, north, east, down: the boat with the transceiver, how far off the told start is and may be. */
 export interface RouteData {
   points: Triple[];
   boat: Triple;
   told_error: [number, number];
   error: number;
+  pipe?: PipeData; // that has to be seen
 }
 
 /** scene.json: north, east, down; [m], [rad] */

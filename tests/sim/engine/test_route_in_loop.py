@@ -119,3 +119,57 @@ def test_a_vehicle_that_leaves_the_route_joins_it_again_farther_on() -> None:
     assert column(rows, "cross_track")[100:600].max() > REACH_M
     assert column(rows, "cross_track")[-200:].max() < REACH_M
     assert np.diff(column(rows, "route_along")).min() >= 0.0
+
+
+def piped(seconds: float = 30.0, **settings: Any) -> tuple[list[Observation], Rows]:
+    return watched(seconds, route="pipe", **settings)
+
+
+def test_of_a_pipe_only_its_beginning_and_its_length_are_told() -> None:
+    config = TrackConfiguration.read(
+        {"levels": [0.1], "vehicle": "bluerov2-heavy-v2", "route": "pipe"}
+    ).for_trial(0)
+    course = EXPERIMENT.course(config, seed=8, trial=0, level=0)
+
+    route = piped(2.0)[0][0].route.reshape(ROUTE_POINTS, 3)
+
+    steps = np.diff(route, axis=0)
+    first = course.route_m[1] - course.route_m[0]
+    assert np.allclose(steps, steps[0])
+    assert steps[0] / np.linalg.norm(steps[0]) == pytest.approx(first / np.linalg.norm(first))
+    assert np.linalg.norm(route[-1] - route[0]) == pytest.approx(config.route_length_m)
+    assert np.ptp(np.arctan2(*np.diff(course.route_m[:, :2], axis=0).T)) > 0.3  # yet it bends
+
+
+def test_steering_for_the_point_ahead_keeps_the_vehicle_above_the_pipe() -> None:
+    told, rows = piped(40.0)
+
+    assert column(rows, "cross_track")[200:].max() < 0.4
+    assert column(rows, "route_along")[-1] > 8.0
+    assert np.mean([seen.target_visible for seen in told]) > 0.8
+
+
+def test_offset_and_angle_of_the_pipe_are_true_within_centimetres_and_degrees() -> None:
+    told, rows = piped(20.0, pipe_covered=0)
+    offsets = np.array([seen.pipe_offset for seen in told])[40:]
+    angles = np.array([seen.pipe_angle for seen in told])[40:]
+    true = np.arctan2(column(rows, "route_dy"), column(rows, "route_dx")) - column(rows, "yaw")
+    off = np.angle(np.exp(1j * (angles - true[40:])))
+
+    assert np.median(np.abs(offsets + column(rows, "cross_track_y")[40:])) < 0.04
+    assert np.median(np.abs(off)) < 0.05
+
+
+def test_a_pipe_that_is_not_seen_goes_on_straight() -> None:
+    told, rows = piped(4.0, pipe_turbidity_1_m=3.0)
+
+    assert not any(seen.target_visible for seen in told)
+    headings = [seen.pipe_angle + seen.attitude.item(2) for seen in told]
+    assert np.ptp(np.unwrap(headings)) < 1e-9
+    assert not column(rows, "tracker_ok").any()
+
+
+def test_on_another_route_there_is_no_pipe() -> None:
+    told, _ = watched(2.0)
+
+    assert {(seen.pipe_offset, seen.pipe_angle) for seen in told} == {(0.0, 0.0)}

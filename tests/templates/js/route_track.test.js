@@ -1,7 +1,7 @@
 // What a map and a scene draw of a route, from rows of telemetry.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fixError, fixesOf, fixOf, partedAt } from "../../../templates/static/js/player/route_track.js";
+import { fixError, fixesOf, fixOf, partedAt, piecesOf } from "../../../templates/static/js/player/route_track.js";
 
 /** @type {[number, number, number][]} */
 const POINTS = [
@@ -38,6 +38,53 @@ test("nothing of a route is done at its start, and all of it at its end", () => 
   assert.deepEqual(partedAt(POINTS, 0)[1], [[0, 0, 10], ...POINTS.slice(1)]);
   assert.deepEqual(partedAt(POINTS, 7), [POINTS, [[3, 4, 12]]]);
   assert.deepEqual(partedAt(POINTS, 7.1)[0], POINTS);
+});
+
+test("a pipe is bare but for the stretches that are covered, across its points", () => {
+  const pipe = {
+    axis: /** @type {[number, number][]} */ ([
+      [0, 0],
+      [4, 0],
+      [4, 6],
+    ]),
+    seabed: 20,
+    radius: 0.2,
+    covered: /** @type {[number, number][]} */ ([
+      [1, 2],
+      [3, 6],
+    ]),
+  };
+
+  const { bare, covered } = piecesOf(pipe);
+
+  assert.deepEqual(covered, [
+    [
+      [1, 0, 20],
+      [2, 0, 20],
+    ],
+    [
+      [3, 0, 20],
+      [4, 0, 20],
+      [4, 2, 20],
+    ],
+  ]);
+  assert.deepEqual(
+    bare.map((piece) => [piece[0], piece[piece.length - 1]]),
+    [
+      [
+        [0, 0, 20],
+        [1, 0, 20],
+      ],
+      [
+        [2, 0, 20],
+        [3, 0, 20],
+      ],
+      [
+        [4, 2, 20],
+        [4, 6, 20],
+      ],
+    ],
+  );
 });
 
 /** @type {(t: number, at: number | null, age: number | null) => any} */

@@ -24,7 +24,7 @@ OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"joints": MAX_JOINTS, "joint_speeds": MAX_JOINTS, "joint_efforts": MAX_JOINTS},
     **{"wrist_force": 3, "wrist_torque": 3, "touch": MAX_JOINTS},
     **{"told": 2, "confidence": 0},
-    **{"route": 96, "fix": 2, "fix_age": 0, "fix_sigma": 0},
+    **{"route": 96, "fix": 2, "fix_age": 0, "fix_sigma": 0, "pipe_offset": 0, "pipe_angle": 0},
     "image_t": 0,
 }
 ARM = "arm"  # an output with the speeds of an arm's joints

@@ -11,7 +11,7 @@ import { around, circle, discs, drawGrid, line, move, write } from "./map_drawin
 import { MapScale } from "./map_scale.js";
 import { along, fix as fixText } from "./numbers.js";
 import { placeOf } from "./places.js";
-import { fixError, fixesOf, fixOf, partedAt, ROUTE_COLUMNS } from "./route_track.js";
+import { fixError, fixesOf, fixOf, partedAt, piecesOf, ROUTE_COLUMNS } from "./route_track.js";
 
 const STILL_M_S = 0.005; // a current that is slower has no direction
 const SAME_S = 0.01; // times of one fix are rounded
@@ -40,7 +40,7 @@ export const ROUTE = {
  * @param {{width: number, height: number}} size [px]
  * @returns {Ground}
  */
-function drawGround(svg, rows, { points, told_error: off, error }, size) {
+function drawGround(svg, rows, { points, told_error: off, error, pipe }, size) {
   const ways = rows.map((row) => placeOf(row));
   const [start] = ways;
   /** @type {Place} */
@@ -52,6 +52,10 @@ function drawGround(svg, rows, { points, told_error: off, error }, size) {
   circle(svg, "told-disc", scale.at(told), error * scale.perMetre);
   move(svg, "told", scale.at(told));
   move(svg, "start", scale.at(start));
+  const pieces = pipe ? piecesOf(pipe) : { bare: [], covered: [] };
+  for (const [part, drawn] of Object.entries(pieces)) {
+    write(svg, part, drawn.map((piece) => line(scale, piece.map(above))).join(""));
+  }
   return { scale, ways, fixes };
 }
 

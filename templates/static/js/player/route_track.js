@@ -1,7 +1,7 @@
 // What is drawn of a route that is followed: the part that is done, and the acoustic fixes on the way. No page is
 // needed for it.
 /**
- * @import { Row, Triple } from "../server_data.d.ts"
+ * @import { PipeData, Row, Triple } from "../server_data.d.ts"
  * @import { Place } from "./places.js"
  */
 import { distance, placeOf } from "./places.js";
@@ -34,6 +34,28 @@ export function partedAt(points, along) {
     left -= length;
   }
   return [points, points.slice(-1)];
+}
+
+/**
+ * The pieces of a pipe that are above the sand, and those that are covered.
+ * @param {PipeData} pipe
+ * @returns {{bare: Triple[][], covered: Triple[][]}}
+ */
+export function piecesOf({ axis, seabed, covered }) {
+  /** @type {Triple[]} */
+  let rest = axis.map(([north, east]) => [north, east, seabed]);
+  let passed = 0;
+  /** @type {{bare: Triple[][], covered: Triple[][]}} */
+  const pieces = { bare: [], covered: [] };
+  for (const [from, to] of covered) {
+    const [before, after] = partedAt(rest, from - passed);
+    const [under, beyond] = partedAt(after, to - from);
+    pieces.bare.push(before);
+    pieces.covered.push(under);
+    [rest, passed] = [beyond, to];
+  }
+  pieces.bare.push(rest);
+  return pieces;
 }
 
 /**

@@ -7,16 +7,16 @@ from seamark.sim.numerics.statistics import mean, paired_interval
 
 
 def test_a_row_has_what_was_followed_at_each_current_and_the_trials_by_vehicle_and_route() -> None:
-    scores = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    scores = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8] * 2
     one = Measured(seed=1, scores=scores, levels={"followed": (1.0, 0.75, 0.5, 0.25, 0.125)})
 
     cells = columns(one)
 
     assert [*cells.values()][:5] == ["100", "75", "50", "25", "12"]
     assert [*cells][1] == "followed at 0.2 m/s, %"
-    assert (cells["Girona 500"], cells["BlueROV2 Heavy"]) == ("0.300", "0.400")
-    kinds = [cells[kind] for kind in ("Waypoints", "Helix", "Lemniscate")]
-    assert kinds == ["0.150", "0.350", "0.550"]
+    assert (cells["Girona 500"], cells["BlueROV2 Heavy"]) == ("0.400", "0.500")
+    kinds = [cells[kind] for kind in ("Waypoints", "Helix", "Lemniscate", "Pipe")]
+    assert kinds == ["0.150", "0.350", "0.550", "0.750"]
 
 
 def test_the_table_of_the_page_is_that_of_the_stored_scores() -> None:

@@ -12,7 +12,8 @@ from seamark.sim.engine.trial import run_trial
 
 entry = registry.benchmark("track-v1")
 config = entry.read({"levels": [0.3], "level_duration_s": 10.0})
-for trial, controller in enumerate(("ilos", "mpc", "oracle", "pi", "blind")):
+names = ("ilos", "mpc", "oracle", "pi", "blind", "into-flow", "l1", "mpc")
+for trial, controller in enumerate(names):
     program = entry.load().built_in(controller, config.for_trial(trial))
     result = run_trial("track-v1", config, program, seed=5, trial=trial, on_rows=lambda rows: None)
     print(result.digest)
@@ -28,4 +29,4 @@ def test_routes_have_the_same_bits_in_two_processes_and_on_the_oldest_processor(
     here, again = digests({"PYTHONHASHSEED": "1"}), digests({"PYTHONHASHSEED": "2"})
 
     assert here == again == digests({**OLDEST_PROCESSOR, **NUMPY_OLDEST})
-    assert len(set(here)) == 5
+    assert len(set(here)) == 8

@@ -8,14 +8,15 @@ import pytest
 
 from seamark.sim.benchmarks.track_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.track_v1.settings import TrackConfiguration
-from seamark.sim.control.observation import ROUTE_POINTS, Observation
+from seamark.sim.control.observation import PIPE, ROUTE_POINTS, Observation
 from seamark.sim.control.track.guidance import Blind, LineOfSight
 from seamark.sim.engine.program import BuiltIn, Command
 from tests.sim.benchmarks.attempts import Driver, Playback, rows_of
 
 pytestmark = pytest.mark.slow
 CONFIG = TrackConfiguration.read({"levels": [0.2]})
-SEED, TRIALS = 90, 6  # one of each vehicle and kind of route
+SEED, TRIALS = 90, 6  # one of each vehicle and kind of route that is told
+PIPES = TrackConfiguration.read({"levels": [0.2], "route": PIPE, "level_duration_s": 60.0})
 
 
 class Shortcut(LineOfSight):
@@ -42,15 +43,15 @@ class Drifter:
         return (u, v, w, 0.0)
 
 
-def followed(program: Any, trial: int, seed: int = SEED) -> float:
-    config = CONFIG.for_trial(trial)
+def followed(program: Any, trial: int, seed: int = SEED, settings: Any = CONFIG) -> float:
+    config = settings.for_trial(trial)
     rows = rows_of(EXPERIMENT, config, program, seed=seed, trial=trial)
     share: float = EXPERIMENT.metrics(config, 0, rows)["followed"]
     return share
 
 
-def controller(kind: Any, trial: int) -> Driver:
-    return Driver(kind(CONFIG.for_trial(trial).for_program()), CONFIG)
+def controller(kind: Any, trial: int, settings: Any = CONFIG) -> Driver:
+    return Driver(kind(settings.for_trial(trial).for_program()), settings)
 
 
 def on_average(kind: Any) -> float:
@@ -94,6 +95,50 @@ def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(honest: floa
 
     assert again == seen  # the same water, the same commands: the playback itself works
     assert np.mean(elsewhere) < 0.2 * honest
+
+
+@pytest.fixture(scope="module")
+def seen() -> list[float]:
+    """What line of sight by camera follows of pipes, and the commands that did it."""
+    return [followed(controller(LineOfSight, t, PIPES), t, settings=PIPES) for t in range(3)]
+
+
+def test_a_program_that_sees_the_pipe_follows_most_of_it(seen: list[float]) -> None:
+    assert np.mean(seen) > 0.6
+
+
+@pytest.mark.parametrize("kind", [Blind, Shortcut])
+def test_a_pipe_is_not_where_it_would_be_if_it_went_straight_on(
+    kind: Any, seen: list[float]
+) -> None:
+    """Both go along the told line: one by the points of the route, one straight to its end."""
+    straight = [followed(controller(kind, t, PIPES), t, settings=PIPES) for t in range(3)]
+
+    assert np.mean(straight) < 0.4 * np.mean(seen)
+
+
+def test_the_fixes_do_not_tell_where_a_pipe_goes(seen: list[float]) -> None:
+    class Unseeing(LineOfSight):
+        sees = False
+
+    exact = PIPES.model_copy(update={"fix_angle_sigma_rad": 0.0, "fix_range_sigma_m": 0.0})
+    told = [followed(controller(Unseeing, t, exact), t, settings=exact) for t in range(3)]
+
+    assert np.mean(told) < 0.4 * np.mean(seen)
+
+
+def test_playing_back_the_commands_along_one_pipe_is_of_no_use_on_another(
+    seen: list[float],
+) -> None:
+    elsewhere = []
+    for trial in range(3):
+        driver = controller(LineOfSight, trial, PIPES)
+        assert followed(driver, trial, settings=PIPES) == seen[trial]
+        playback = Playback(driver.commands)
+        assert followed(Driver(playback, PIPES), trial, settings=PIPES) == seen[trial]
+        elsewhere.append(followed(Driver(playback, PIPES), trial, SEED + 1, PIPES))
+
+    assert np.mean(elsewhere) < 0.3 * np.mean(seen)
 
 
 def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program() -> None:

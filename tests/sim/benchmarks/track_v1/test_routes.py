@@ -42,17 +42,17 @@ def test_the_turns_of_a_helix_are_out_of_reach_of_each_other(seed: int) -> None:
 def test_every_level_and_every_trial_has_a_route_of_its_own() -> None:
     routes = {
         EXPERIMENT.course(CONFIG, seed=5, trial=trial, level=level).route_m.tobytes()
-        for trial in range(6)
+        for trial in range(8)
         for level in range(5)
     }
 
-    assert len(routes) == 30
+    assert len(routes) == 40
 
 
 def test_vehicles_and_kinds_of_routes_take_turns() -> None:
-    chosen = [CONFIG.for_trial(trial) for trial in range(6)]
+    chosen = [CONFIG.for_trial(trial) for trial in range(8)]
 
-    assert len({(one.vehicle, one.route) for one in chosen}) == 6
+    assert len({(one.vehicle, one.route) for one in chosen}) == 8
     assert [one.vehicle for one in chosen[:2]] == ["girona500", "bluerov2-heavy-v2"]
 
 

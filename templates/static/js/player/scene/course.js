@@ -1,17 +1,18 @@
 // The route that a vehicle follows, as a tube in two colours; the point that is due, the last acoustic fix, and the
-// boat that it is from. In colours that can be seen in any water.
+// boat that it is from. In colours that can be seen in any water. A pipe on the seabed is drawn where it is not covered.
 /**
  * @import { ColorRepresentation } from "three"
  * @import { RouteData, Row, Triple } from "../../server_data.d.ts"
  */
 import * as THREE from "../../../vendor/three/three.min.js";
-import { fixOf, partedAt } from "../route_track.js";
+import { fixOf, partedAt, piecesOf } from "../route_track.js";
 import { Trace } from "./surroundings.js";
 
 const RADIUS_M = 0.05; // of the tube
 const SIDES = 8;
 const DONE = 0x5ed394;
 const REST = 0xe8eef2;
+const PIPE = 0x262a2c;
 const DUE = 0xff5fa2;
 const FIX = 0xffa04d;
 const SHADOW = 0x06121a;
@@ -24,7 +25,7 @@ export class Course {
    * @param {RouteData} route
    * @param {number} depth
    */
-  constructor({ points, boat }, depth) {
+  constructor({ points, boat, pipe }, depth) {
     this.points = points;
     this.depth = depth;
     this.done = new Tube(DONE);
@@ -42,6 +43,11 @@ export class Course {
     transceiver.position.set(...boat);
     this.group = new THREE.Group();
     this.group.add(this.rest.mesh, this.done.mesh, shadow.line, transceiver);
+    for (const piece of pipe ? piecesOf(pipe).bare : []) {
+      const tube = new Tube(PIPE, pipe?.radius);
+      tube.show(piece);
+      this.group.add(tube.mesh);
+    }
     this.outside = new THREE.Group(); // what is not to be seen from on board
     this.outside.add(this.due, this.fix, this.sigma, this.off.line);
   }
@@ -76,11 +82,15 @@ function ball(color, radius) {
 
 // Round pieces along straight lines, with a ball where they meet.
 class Tube {
-  /** @param {ColorRepresentation} color */
-  constructor(color) {
+  /**
+   * @param {ColorRepresentation} color
+   * @param {number} radius
+   */
+  constructor(color, radius = RADIUS_M) {
+    const sides = radius > RADIUS_M ? 3 * SIDES : SIDES;
     this.paint = new THREE.MeshLambertMaterial({ color });
-    this.piece = new THREE.CylinderGeometry(RADIUS_M, RADIUS_M, 1, SIDES);
-    this.joint = new THREE.SphereGeometry(RADIUS_M, SIDES, SIDES / 2);
+    this.piece = new THREE.CylinderGeometry(radius, radius, 1, sides);
+    this.joint = new THREE.SphereGeometry(radius, sides, sides / 2);
     this.mesh = new THREE.Group();
     /** @type {{piece: THREE.Mesh, joint: THREE.Mesh}[]} */
     this.made = [];
