@@ -58,7 +58,8 @@ def tracks(run: RunView) -> bool:
     if run.kind is RunKind.LOG:
         return "tracker_ok" not in absent_columns(run)
     benchmark = registry.benchmark(run.benchmark)
-    return "tracker_ok" not in benchmark.restore(run.config).unused_columns()
+    unused = benchmark.restore(run.config).unused_columns()
+    return not benchmark.follows_route and "tracker_ok" not in unused
 
 
 def key_number(run: RunView, tables: Sequence[Table], name: str) -> Row | None:

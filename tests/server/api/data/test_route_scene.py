@@ -27,8 +27,8 @@ def rows() -> Rows:
     return np.concatenate(found)
 
 
-def following(site: Site, rows: Rows) -> str:
-    claim = site.running(benchmark="track-v1", controller="ilos", config=LEVELS, seed=SEED)
+def following(site: Site, rows: Rows, config: dict[str, Any] = LEVELS) -> str:
+    claim = site.running(benchmark="track-v1", controller="ilos", config=config, seed=SEED)
     RunFiles(site.settings.data, claim.run_id, 1).append_rows(rows)
     assert site.finish(claim)
     return f"/api/v1/runs/{claim.run_id}"
@@ -59,6 +59,33 @@ def test_a_run_without_a_route_has_none_in_its_scene(site: Site) -> None:
     scene = site.call("owner", "GET", f"/api/v1/runs/{site.succeeded(controller='p')}/scene.json")
 
     assert "route" not in scene.get_json()
+
+
+def test_along_a_pipe_the_scene_has_it_and_the_image_the_piece_that_was_found(site: Site) -> None:
+    config = {"levels": [0.0], "level_duration_s": 4.0, "route": "pipe"}
+    settings: Any = registry.benchmark("track-v1").read(config)
+    found: list[Rows] = []
+    experiment = registry.benchmark("track-v1").load()
+    program = experiment.built_in("ilos", settings.for_trial(0))
+    run_trial("track-v1", settings, program, seed=SEED, trial=0, on_rows=found.append)
+    run = following(site, np.concatenate(found), config)
+
+    route = site.call("owner", "GET", f"{run}/scene.json").get_json()["route"]
+    shown, bare = (
+        site.call("owner", "GET", f"{run}/camera.jpg?t=2{query}").data
+        for query in ("", "&truth=false&tracked=false")
+    )
+
+    course = experiment.course(settings, seed=SEED, trial=0, level=0)
+    assert route["pipe"]["axis"] == course.pipe.axis_m.tolist()
+    assert route["pipe"]["covered"] == course.pipe.covered_m.tolist()
+    assert len(route["pipe"]["covered"]) == settings.pipe_covered
+    drawn, plain = (
+        cv2.imdecode(np.frombuffer(one, np.uint8), cv2.IMREAD_COLOR).astype(float)
+        for one in (shown, bare)
+    )
+    greener = (drawn - plain)[:, :, 1] > 60.0
+    assert 50 < greener.sum() < 2000
 
 
 def test_the_route_of_a_fresh_trial_is_held_back_until_its_rows_are_shown(

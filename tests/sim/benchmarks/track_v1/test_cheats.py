@@ -20,7 +20,9 @@ PIPES = TrackConfiguration.read({"levels": [0.2], "route": PIPE, "level_duration
 
 
 class Shortcut(LineOfSight):
-    """Goes straight to the end of the route, with a guide that knows no other point."""
+    """Goes straight to the end of the told route, with a guide that knows no other point."""
+
+    sees = False
 
     def step(self, observation: Observation) -> Sequence[float]:
         if self._guide is None:
@@ -104,7 +106,7 @@ def seen() -> list[float]:
 
 
 def test_a_program_that_sees_the_pipe_follows_most_of_it(seen: list[float]) -> None:
-    assert np.mean(seen) > 0.6
+    assert np.mean(seen) > 0.5
 
 
 @pytest.mark.parametrize("kind", [Blind, Shortcut])
