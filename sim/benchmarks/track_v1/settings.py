@@ -5,7 +5,6 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from typing import Self
 
-from seamark.sim.camera.optics import VISIBILITY
 from seamark.sim.control.observation import PIPE
 from seamark.sim.metrics.following import METRICS
 from seamark.sim.settings.current_levels import CurrentLevels
@@ -67,10 +66,10 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
         tag="E",
         source="room for routes that rise and fall by 2 m",
     )
-    # Of the camera above a pipe: half the resolution of currents-v2, with the same field of view.
-    camera_width_px: int = override(_SCENE["camera_width_px"], VISIBILITY.width)
-    camera_height_px: int = override(_SCENE["camera_height_px"], VISIBILITY.height)
-    camera_focal_px: float = override(_SCENE["camera_focal_px"], VISIBILITY.focal_px)
+    # Of the camera above a pipe, that of visibility-v2: half the pixels of currents-v2 each way.
+    camera_width_px: int = override(_SCENE["camera_width_px"], 320)
+    camera_height_px: int = override(_SCENE["camera_height_px"], 240)
+    camera_focal_px: float = override(_SCENE["camera_focal_px"], 257.3)
     # Of a tracker, which this benchmark does not have.
     start_error_px: float = override(_SCENE["start_error_px"], 0.0, group="Tracker")
     start_heading_rad: float = override(_SCENE["start_heading_rad"], 0.8)
