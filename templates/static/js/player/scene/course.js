@@ -1,5 +1,5 @@
 // The route that a vehicle follows, as a tube in two colours; the point that is due, the last acoustic fix, and the
-// boat that it is from. In colours that can be seen in any water. A pipe on the seabed is drawn where it is not covered.
+// boat that it is from. In colours that can be seen in any water. A pipe on the seabed is drawn where it is bare.
 /**
  * @import { ColorRepresentation } from "three"
  * @import { RouteData, Row, Triple } from "../../server_data.d.ts"
