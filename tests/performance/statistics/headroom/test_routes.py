@@ -37,14 +37,14 @@ def test_every_entry_is_measured_and_the_scale_ends_at_nothing_and_the_oracle() 
     assert [round(end, 3) for end in ends] == [*scale]
 
 
-def test_from_nothing_to_line_of_sight_each_entry_is_better_than_the_one_before() -> None:
+def test_from_nothing_to_the_oracle_each_step_is_better_than_the_one_before() -> None:
     known = PLAN.known()
     for worse, better in (
-        ("nothing", "blind"),
+        ("nothing", "pi"),
         ("blind", "pi"),
         ("pi", "p"),
         ("p", "los"),
-        ("los", "ilos"),
+        ("los", "l1"),
         ("into-flow", "oracle"),
     ):
         interval = paired_interval(known[better].scores, known[worse].scores, block=PLAN.block)
