@@ -65,7 +65,7 @@ def test_along_a_pipe_the_scene_has_it_and_the_image_the_piece_that_was_found(si
     config = {"levels": [0.0], "level_duration_s": 4.0, "route": "pipe"}
     settings: Any = registry.benchmark("track-v1").read(config)
     found: list[Rows] = []
-    experiment = registry.benchmark("track-v1").load()
+    experiment: Any = registry.benchmark("track-v1").load()
     program = experiment.built_in("ilos", settings.for_trial(0))
     run_trial("track-v1", settings, program, seed=SEED, trial=0, on_rows=found.append)
     run = following(site, np.concatenate(found), config)
@@ -81,7 +81,7 @@ def test_along_a_pipe_the_scene_has_it_and_the_image_the_piece_that_was_found(si
     assert route["pipe"]["covered"] == course.pipe.covered_m.tolist()
     assert len(route["pipe"]["covered"]) == settings.pipe_covered
     drawn, plain = (
-        cv2.imdecode(np.frombuffer(one, np.uint8), cv2.IMREAD_COLOR).astype(float)
+        np.asarray(cv2.imdecode(np.frombuffer(one, np.uint8), cv2.IMREAD_COLOR), np.float64)
         for one in (shown, bare)
     )
     greener = (drawn - plain)[:, :, 1] > 60.0
