@@ -20,14 +20,14 @@ BANDWIDTH = 0.7  # of the position times the sum of lag and latency
 WATER_M_S2 = 0.05  # noise density of the water's acceleration
 CAMERA_DELAY_STEPS = 1
 FLOW_1_S = 1.0  # how fast the current that the bow is turned by follows the estimate
-TURN_1_S = 1.5  # natural frequency of the wanted heading
+TURN_1_S = 1.0  # natural frequency of the wanted heading
 FASTEST_RAD_S = 0.4
 LARGEST_TURN_RAD = 1.3  # with it the target stays in view of the camera
 LARGEST_LEAD_RAD = 0.3  # of the wanted heading before the vehicle's
 OTHER_SIDE_RAD = 0.2  # that the stern must be nearer than the bow to be turned instead
 # Share of the thrust that the current takes at the heading of the station, from which the vehicle
 # turns away, and from which it turns all the way.
-TURNING_SHARES = (0.6, 1.0)
+TURNING_SHARES = (1.0, 1.5)
 MARGIN = 1.2  # of the published limits, that moves may ask for: thrusters may be stronger
 LEAST_ROOM = 0.2  # of a thruster, for surge and sway whatever the moment takes
 SHORTFALL_1_S = 1.0  # how fast the force that thrusters fail to deliver is asked for in addition
