@@ -125,6 +125,10 @@ def entries(name: str) -> dict[str, Entry]:
         title="ZNCC, homography, remembers the path", config={}, make=_remembering
     )
     if name == THIRD:
+        for tracker in ("klt", "ecc"):
+            by_name[tracker] = Entry(
+                title=f"{tracker.upper()}, homography", config={"tracker": tracker}, make=built_in
+            )
         by_name["always"] = Entry(
             title="ZNCC, SRT, never admits a loss", config={"warp": "srt"}, make=_always
         )

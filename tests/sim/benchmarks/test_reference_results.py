@@ -35,7 +35,8 @@ def test_all_entries_of_all_versions_are_shipped(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "entry"), [("visibility-v2", "nothing"), ("currents-v2", "nothing")]
+    ("name", "entry"),
+    [("visibility-v3", "nothing"), ("visibility-v2", "nothing"), ("currents-v2", "nothing")],
 )
 def test_the_simulator_computes_the_shipped_score_to_the_bit(name: str, entry: str) -> None:
     shipped = reference_results.of_benchmark(benchmark(name))[entry]
