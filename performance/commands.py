@@ -56,6 +56,7 @@ OTHERS = {
     "headroom": "statistics.headroom.currents",
     "intervention_headroom": "statistics.headroom.interventions",
     "patterns_headroom": "statistics.headroom.patterns",
+    "dock_headroom": "statistics.headroom.docks",
     "route_headroom": "statistics.headroom.routes",
     "visibility_headroom": "statistics.headroom.visibility",
     "adversaries": "statistics.adversaries",

@@ -17,6 +17,7 @@ BENCHMARKS = {  # the current ones first
     "currents-v3": "seamark.sim.benchmarks.currents_v3.definition:BENCHMARK",
     "visibility-v3": "seamark.sim.benchmarks.visibility_v3.definition:BENCHMARK",
     "track-v1": "seamark.sim.benchmarks.track_v1.definition:BENCHMARK",
+    "dock-v1": "seamark.sim.benchmarks.dock_v1.definition:BENCHMARK",
     "patterns-v1": "seamark.sim.benchmarks.patterns_v1.definition:BENCHMARK",
     "mission-v1": "seamark.sim.benchmarks.mission_v1.definition:BENCHMARK",
     "recover-v1": "seamark.sim.benchmarks.recover_v1.definition:BENCHMARK",
@@ -85,6 +86,11 @@ TASK_CONTROLLERS = {
         "pi": "seamark.sim.control.position.pi:Controller",
         "p": "seamark.sim.control.position.p:Controller",
     },
+    "dock": {
+        "staged": "seamark.sim.control.dock.entries:Staged",
+        "straight": "seamark.sim.control.dock.entries:Straight",
+        "acoustic": "seamark.sim.control.dock.entries:Acoustic",
+    },
     "mission": {
         "chain": "seamark.sim.control.manipulation.mission:Chain",
     },
@@ -107,6 +113,11 @@ REFERENCE_TASK_CONTROLLERS = {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.track.guidance:Blind",
         "oracle": "seamark.sim.control.track.oracle:Oracle",
+    },
+    "dock": {
+        "nothing": "seamark.sim.control.position.nothing:Controller",
+        "blind": "seamark.sim.control.dock.entries:Blind",
+        "oracle": "seamark.sim.control.dock.oracle:Oracle",
     },
     "mission": {
         "nothing": "seamark.sim.control.position.nothing:Controller",

@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from tests.sim.benchmarks.dock_v1 import test_bits as dock_bits
 from tests.sim.benchmarks.track_v1 import test_bits as track_bits
 from tests.sim.camera import test_link_camera
 from tests.sim.camera.bottom import test_bottom
@@ -107,6 +108,7 @@ def main() -> None:
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
             partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, track_bits.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, dock_bits.PROGRAM, OLDEST_PROCESSOR),
         )
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             for done in [pool.submit(part) for part in parts]:

@@ -31,9 +31,14 @@ AT_WORK_S = {
     "valve-v1": 16.0,
     "connect-v1": 26.0,
     "mission-v1": 18.0,
-}  # into a level of an arm's benchmark
-AT_WORK: dict[str, str] = {"mission-v1": "chain"}  # what works there, if not the scripted entry
-CLEAR = {"mission-v1": {"loop1_values": [0.2]}}  # settings of the one level that is shown
+    "dock-v1": 24.0,
+}  # into a level of a benchmark in which something is worked on, or entered
+# what works there, if not the scripted entry
+AT_WORK: dict[str, str] = {"mission-v1": "chain", "dock-v1": "straight"}
+CLEAR: dict[str, dict[str, object]] = {
+    "mission-v1": {"loop1_values": [0.2]},
+    "dock-v1": {"turbidity_1_m": 0.0},
+}  # settings of the one level that is shown
 LEVELS = {
     "currents-v3": 3,
     "currents-v2": 3,
@@ -86,7 +91,7 @@ def off_station(name: str) -> CameraFrame:
 def at_work(name: str, time_s: float) -> CameraFrame:
     """Return what the camera sees as a built-in entry works with the arm."""
     benchmark = registry.benchmark(name)
-    only = {"levels": [0.1], "level_duration_s": time_s}
+    only: dict[str, object] = {"levels": [0.1], "level_duration_s": time_s}
     config = benchmark.read(only | CLEAR.get(name, {}))
     rows: list[Rows] = []
     solution = benchmark.load().built_in(AT_WORK.get(name, "scripted"), config)

@@ -60,6 +60,7 @@ _WITH_ARM = tuple(
 )
 _MISSION = _Case("mission-v1", {}, 720.0)  # a whole trial
 _ROUTE = _Case("track-v1", {}, 600.0)  # a whole trial
+_DOCK = _Case("dock-v1", {}, 450.0)  # a whole trial
 # None of them is called within another one.
 _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
     "rendering": ((Camera, "region"), (ArmCamera, "follow")),
@@ -88,6 +89,7 @@ def rows() -> list[Row]:
         for built_in in ("ilos", "mpc"):
             name = f"track-v1, built-in {built_in}"
             measured += _measure(_ROUTE, name, built_in, IsolationLevel.NONE)
+        measured += _measure(_DOCK, "dock-v1, built-in staged", "staged", IsolationLevel.NONE)
         if isolation >= IsolationLevel.MEDIUM:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"

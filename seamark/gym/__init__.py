@@ -22,12 +22,15 @@ BENCHMARKS = {
     if benchmark.role in _ENTRY_POINTS
 }
 _INTERVENTIONS = ("seamark.gym.intervention:InterventionEnv", None)
+_DOCKS = ("seamark.gym.docking:DockingEnv", None)
 _ROUTES = ("seamark.gym.following:FollowingEnv", None)
 
 
 def _entry_points(benchmark: Benchmark) -> tuple[str, str | None]:
     if benchmark.moves_arm:
         return _INTERVENTIONS
+    if benchmark.enters_dock:
+        return _DOCKS
     return _ROUTES if benchmark.follows_route else _ENTRY_POINTS[benchmark.role]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from seamark.sim.control.observation import (
     ARM_FIELDS,
+    DOCK_FIELDS,
     FIELDS,
     IMAGE_FIELDS,
     PER_FEELER,
@@ -56,6 +57,9 @@ _BOUNDS = {
     "fix_age": (-1.0, _UNBOUNDED),
     "fix_sigma": (0.0, _UNBOUNDED),
     "pipe_angle": (-math.pi, math.pi),
+    "dock_age": (-1.0, _UNBOUNDED),
+    "dock_sigma": (0.0, _UNBOUNDED),
+    "light_visible": (0.0, 1.0),
     "image_t": (0.0, _UNBOUNDED),
 }
 
@@ -66,11 +70,13 @@ def named(
     arm: str = NO_ARM,
     search: bool = False,
     route: bool = False,
+    dock: bool = False,
 ) -> Observation:
     """Return an observation by name, as an uploaded controller gets it: `named(obs).error`.
 
     `arm` is the one that the vehicle carries, if any; `search` is whether its target has to be
-    found first, as in mission-v1, and `route` whether it follows one, as in track-v1.
+    found first, as in mission-v1, `route` whether it follows one, as in track-v1, and `dock`
+    whether it enters one, as in dock-v1.
     """
     size = None if arm == NO_ARM else arm_size(load_linkage(arm))
     images = None
@@ -79,7 +85,7 @@ def named(
         observation = parts[STATE]
         images = {key.removeprefix(IMAGE): parts[key] for key in parts if key != STATE}
     packed = np.asarray(observation, dtype=np.float64)
-    return Observation(packed, size, images, search=search, route=route)
+    return Observation(packed, size, images, search=search, route=route, dock=dock)
 
 
 def most_thrusters(config: StationKeepingSettings) -> int:
@@ -104,6 +110,7 @@ def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.floa
         *(ARM_FIELDS if size else ()),
         *(SEARCH_FIELDS if config.searches() else ()),
         *(ROUTE_FIELDS if config.has_route() else ()),
+        *(DOCK_FIELDS if config.has_dock() else ()),
         *(IMAGE_FIELDS if config.cameras_of_program() else ()),
     )
     for name, count, _unit, _meaning in (*FIELDS, *further):

@@ -150,6 +150,7 @@ class Benchmark:
     parts: tuple[str, ...] = ()
     moves_arm: bool = False  # whether its programs move an arm: they start from other ones
     follows_route: bool = False  # whether its programs follow a route
+    enters_dock: bool = False  # whether its programs enter a dock
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
     # name -> label of built-in solutions that only baselines may use: marks such as an oracle
     reference_built_in: Mapping[str, str] = field(default_factory=dict)
@@ -200,9 +201,16 @@ class Benchmark:
         return self.shared_trials if self.protocol is None else self.protocol.trials
 
     @property
+    def lacks_images(self) -> str:
+        """Why the images of a run of its programs are no data set; empty if they are one."""
+        if self.follows_route:
+            return "nothing in it is done by images"
+        return "its marker is out of view for most of the way" if self.enters_dock else ""
+
+    @property
     def has_data_sets(self) -> bool:
         """Whether a data set can be made of the images of a trial."""
-        return self.role != "detector" and not self.follows_route
+        return self.role != "detector" and not self.lacks_images
 
     @property
     def stage_labels(self) -> tuple[str, ...]:

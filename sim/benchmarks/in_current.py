@@ -8,6 +8,7 @@ from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.control.observation import arm_size, layout
 from seamark.sim.engine.closed_loop import ClosedLoop
+from seamark.sim.engine.dock_in_loop import Dock
 from seamark.sim.engine.experiment import TrialPlan
 from seamark.sim.engine.level_current import level_current, level_stretch, site_of
 from seamark.sim.engine.program import BuiltIn, Program
@@ -42,15 +43,13 @@ class InCurrent(Generic[Settings]):
         """Return a built-in controller."""
         arm = config.chosen_arm()
         size = arm_size(arm) if arm else None
-        told = {"searches": config.searches(), "route": config.has_route()}
-        return BuiltIn(name, config, size, task=self.task, **told)
+        return BuiltIn(name, config, size, task=self.task, **config.told())
 
     def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
         optics = program_optics(config)
         images = {camera: (each.height, each.width) for camera, each in optics.items()}
-        told = {"search": config.searches(), "route": config.has_route()}
-        packed = layout(config.vehicle, config.chosen_arm(), images, **told)
+        packed = layout(config.vehicle, config.chosen_arm(), images, **config.told())
         return {"role": "controller"} | packed
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
@@ -115,6 +114,10 @@ class InCurrent(Generic[Settings]):
         """Return what is to be followed in a level; nothing, unless overridden."""
         return None
 
+    def dock(self, config: Settings, *, seed: int, trial: int, level: int) -> Dock | None:
+        """Return what is to be entered in a level; nothing, unless overridden."""
+        return None
+
     def water(self, config: Settings, *, seed: int, trial: int) -> Water:
         """Return the water of a level with these settings."""
         return configured_water(config)
@@ -155,6 +158,7 @@ class InCurrent(Generic[Settings]):
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),
             encoder_bias=self.encoder_bias(config, seed=seed, trial=trial),
             course=self.course(config, seed=seed, trial=trial, level=level),
+            dock=self.dock(config, seed=seed, trial=trial, level=level),
         )
         return conditions, random
 
@@ -170,6 +174,7 @@ class InCurrent(Generic[Settings]):
             workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),
             pipe=None if course is None else course.pipe,
+            dock=self.dock(config, seed=seed, trial=trial, level=level),
         )
 
     def first_camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:

@@ -85,11 +85,27 @@ ROUTE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("pipe_angle", 0, "rad", "of this direction from the bow, clockwise"),
 )
 ROUTE_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in ROUTE_FIELDS)
+# What follows where a dock has to be entered.
+DOCK_FIELDS: tuple[tuple[str, int, str, str], ...] = (
+    (
+        "dock",
+        3,
+        "m",
+        "where the dock is by its last acoustic answer: north, east and down of where the vehicle "
+        "was then",
+    ),
+    ("dock_age", 0, "s", "time since it was asked; -1 before the first answer"),
+    ("dock_sigma", 0, "m", "standard deviation of each of the first two numbers"),
+    ("dock_heading", 0, "rad", "heading in which the dock takes a vehicle, from north, clockwise"),
+    ("light", 2, "px", "the dock's lamps in the image, minus its centre; the last ones seen"),
+    ("light_visible", 0, "", "1 while they are in the image and bright enough, else 0"),
+)
+DOCK_NUMBERS = sum(count or 1 for _name, count, _unit, _meaning in DOCK_FIELDS)
 # What follows where a program is given images (`Observation.images`).
 IMAGE_FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("image_t", 0, "s", "simulated time at which the newest images were taken"),
 )
-EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *ROUTE_FIELDS, *IMAGE_FIELDS)
+EVERY_FIELD = (*FIELDS, *ARM_FIELDS, *SEARCH_FIELDS, *ROUTE_FIELDS, *DOCK_FIELDS, *IMAGE_FIELDS)
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 VEHICLE_CAMERA, ARM_CAMERA = "vehicle", "arm"
@@ -114,7 +130,7 @@ def arm_size(arm: Linkage) -> ArmSize:
 
 
 def _further(
-    arm: ArmSize | None, *, images: bool, search: bool, route: bool
+    arm: ArmSize | None, *, images: bool, search: bool, route: bool, dock: bool
 ) -> Iterator[tuple[str, int]]:
     """Yield name and count of the fields that follow those of every vehicle."""
     for name, of, _unit, _meaning in ARM_FIELDS if arm else ():
@@ -122,6 +138,8 @@ def _further(
     for name, count, _unit, _meaning in SEARCH_FIELDS if search else ():
         yield name, count
     for name, count, _unit, _meaning in ROUTE_FIELDS if route else ():
+        yield name, count
+    for name, count, _unit, _meaning in DOCK_FIELDS if dock else ():
         yield name, count
     for name, count, _unit, _meaning in IMAGE_FIELDS if images else ():
         yield name, count
@@ -134,11 +152,13 @@ def layout(
     *,
     search: bool = False,
     route: bool = False,
+    dock: bool = False,
 ) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values.
 
     `images` are the cameras whose images a program is given, with height and width [px]; `search`
-    is whether the target has to be found first, `route` whether one has to be followed.
+    is whether the target has to be found first, `route` whether one has to be followed, `dock`
+    whether one has to be entered.
     """
     thrusters = len(load(vehicle).thrusters)
     fields = [
@@ -146,7 +166,8 @@ def layout(
         for name, count, _unit, _meaning in FIELDS
     ]
     size = None if arm is None else arm_size(arm)
-    fields += map(list, _further(size, images=bool(images), search=search, route=route))
+    told = {"search": search, "route": route, "dock": dock}
+    fields += map(list, _further(size, images=bool(images), **told))
     packed = {"observation": fields, "command": list(COMMAND), "booleans": list(BOOLEANS)}
     if arm is not None:
         packed |= {"command": [*COMMAND, *arm.motors()], "joint_limits": joint_limits(arm)}
@@ -174,12 +195,13 @@ STARTS = _starts()  # name -> index of its first number
 
 @cache
 def _positions(
-    arm: ArmSize | None, *, images: bool, search: bool, route: bool
+    arm: ArmSize | None, *, images: bool, search: bool, route: bool, dock: bool
 ) -> dict[str, int | slice]:
     """Return name -> index of a single number, or slice of a vector; further ones from the end."""
     after = 0
     further: dict[str, int | slice] = {}
-    for name, count in reversed([*_further(arm, images=images, search=search, route=route)]):
+    told = {"search": search, "route": route, "dock": dock}
+    for name, count in reversed([*_further(arm, images=images, **told)]):
         further[name] = slice(-after - count, -after or None) if count else -after - 1
         after += count or 1
     ends = {PER_THRUSTER: -after or None}
@@ -197,9 +219,10 @@ def empty(
     images: bool = False,
     search: bool = False,
     route: bool = False,
+    dock: bool = False,
 ) -> NDArray[np.float64]:
     """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
-    further = _further(arm, images=images, search=search, route=route)
+    further = _further(arm, images=images, search=search, route=route, dock=dock)
     more = sum(count or 1 for _name, count in further)
     return np.zeros(STARTS["thrust"] + thrusters + more)
 
@@ -222,8 +245,10 @@ class Observation(Mapping[str, Any]):
         *,
         search: bool = False,
         route: bool = False,
+        dock: bool = False,
     ) -> None:
-        self._positions = _positions(arm, images=images is not None, search=search, route=route)
+        told = {"search": search, "route": route, "dock": dock}
+        self._positions = _positions(arm, images=images is not None, **told)
         self._images = images
         self._numbers = values.copy()
         self._numbers.flags.writeable = False

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from seamark.sim.control.observation import COMMAND, SEARCH_NUMBERS, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
+from seamark.sim.engine.dock_in_loop import DockInLoop
 from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
 from seamark.sim.engine.perception import (
     LevelConstants,
@@ -88,18 +89,15 @@ class ClosedLoop:
         self._contact_n = 0.0
         self._pose = np.zeros(6)
         size, cameras = world.arm.size if world.arm else None, config.cameras_of_program()
-        told = {"search": config.searches(), "route": config.has_route()}
+        told = config.told()
         self.observation = empty(self._thrusters, size, images=bool(cameras), **told)
         of_arm = slice(len(empty(self._thrusters)), len(empty(self._thrusters, size)))
         self._arm = None
         if world.arm is not None:
             self._arm = ArmInLoop(world.arm, self.observation[of_arm], self._seen.corners)
-        self._search = None
-        if isinstance(world.tracking, SearchInLoop):
-            seen = self.observation[of_arm.stop : of_arm.stop + SEARCH_NUMBERS]
-            late = world.conditions.camera_delay_steps
-            self._search = SearchReport(world.tracking, seen, told_m=world.told_m, late=late)
+        self._search = self._search_from(of_arm.stop)
         self._route = self._route_from(of_arm.stop)
+        self._dock = self._dock_from(of_arm.stop)
         self.images = ImagesInLoop(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
@@ -119,6 +117,15 @@ class ClosedLoop:
         self._sensors, self._noises = world.sensors.records(), world.sensors.noises()
         self._perceive = SameTypes(perceive)
 
+    def _search_from(self, first: int) -> SearchReport | None:
+        """Return the search, if there is one; its part of the observation begins at `first`."""
+        world = self._world
+        if not isinstance(world.tracking, SearchInLoop) or not world.config.searches():
+            return None
+        seen = self.observation[first : first + SEARCH_NUMBERS]
+        late = world.conditions.camera_delay_steps
+        return SearchReport(world.tracking, seen, told_m=world.told_m, late=late)
+
     def _route_from(self, first: int) -> RouteInLoop | None:
         """Return the route, if there is one; its part of the observation begins at `first`."""
         world = self._world
@@ -133,6 +140,18 @@ class ClosedLoop:
             steps=self._steps,
             step_s=self._dt,
             pipe=pipe,
+        )
+
+    def _dock_from(self, first: int) -> DockInLoop | None:
+        """Return the dock, if there is one; its part of the observation begins at `first`."""
+        world = self._world
+        if world.dock is None or not isinstance(world.tracking, SearchInLoop):
+            return None
+        return DockInLoop(
+            *(world.dock, world.tracking, self.observation, first),
+            late=world.conditions.camera_delay_steps,
+            steps=self._steps,
+            step_s=self._dt,
         )
 
     def run(self, on_rows: OnRows) -> None:
@@ -153,10 +172,8 @@ class ClosedLoop:
         arm = self._world.arm
         work = arm is not None and len(arm.plant.work) > 0
         search = self._search is not None
-        route = self._route is not None
-        return width_for(
-            self._thrusters, arm=arm is not None, work=work, search=search, route=route
-        )
+        alone = {"route": self._route is not None, "dock": self._dock is not None}
+        return width_for(self._thrusters, arm=arm is not None, work=work, search=search, **alone)
 
     def close(self) -> None:
         """Release what the world holds."""
@@ -260,6 +277,8 @@ class ClosedLoop:
             self._search.measure(row)
         if self._route is not None:
             self._route.measure(step, self._pose, row)
+        if self._dock is not None:
+            self._dock.measure(step, self._pose, row)
 
     def _image(self) -> NDArray[np.uint8]:
         """Return the image that the station keeper has now, in blue, green, red."""

@@ -20,6 +20,8 @@ from seamark.sim.recording.telemetry import (
     ARM_WIDTH,
     COMMON_THRUSTERS,
     DETECTION_WIDTH,
+    DOCK_THRUSTERS,
+    DOCK_WIDTH,
     INDEX,
     ROUTE_WIDTH,
     SEARCH_WIDTH,
@@ -185,8 +187,11 @@ def thrust_column(thruster: int, width: int) -> int:
         return _THRUST + thruster
     detections = DETECTION_WIDTH if width >= WIDTH + DETECTION_WIDTH else 0
     first = WIDTH if width - detections < WIDTH + ARM_WIDTH else WIDTH + ARM_WIDTH
-    if WIDTH + ROUTE_WIDTH <= width - detections < WIDTH + ARM_WIDTH:
+    docks = WIDTH + DOCK_WIDTH + DOCK_THRUSTERS - COMMON_THRUSTERS
+    if WIDTH + ROUTE_WIDTH <= width - detections < docks:
         first += ROUTE_WIDTH
+    if docks <= width - detections < WIDTH + ARM_WIDTH:
+        first += DOCK_WIDTH
     if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH:
         first += WORK_WIDTH
     if width - detections >= WIDTH + ARM_WIDTH + WORK_WIDTH + SEARCH_WIDTH:

@@ -112,20 +112,22 @@ class BuiltIn:
         arm: ArmSize | None = None,
         *,
         task: str = "",
-        searches: bool = False,
+        search: bool = False,
         route: bool = False,
+        dock: bool = False,
     ) -> None:
         """Load a controller; `task` is what it does, if that is not to keep station.
 
-        `searches` is whether it is told where the target is to be found, `route` whether it is
-        given one to follow.
+        `search` is whether it is told where the target is to be found, `route` whether it is
+        given one to follow, `dock` whether there is one to enter.
         """
         controller = resolve_name(registry.controller_path(name, task))
         self.controller: Controller = controller(config.for_program())
         reference = name in registry.reference_controllers(task)
         sees = reference and isinstance(self.controller, Oracle)
         self.oracle: Oracle | None = self.controller if sees else None
-        self._arm, self._searches, self._route = arm, searches, route
+        self._arm = arm
+        self._told = {"search": search, "route": route, "dock": dock}
         self._images: Images | None = None
 
     def reset(self, level: Mapping[str, float | int]) -> None:
@@ -138,7 +140,5 @@ class BuiltIn:
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Return the controller's command as floats: four, and perhaps the speeds of joints."""
-        observation = Observation(
-            values, self._arm, self._images, search=self._searches, route=self._route
-        )
+        observation = Observation(values, self._arm, self._images, **self._told)
         return tuple(map(float, self.controller.step(observation)))

@@ -10,7 +10,7 @@ from seamark.sim.detectors import Detection, Detector, make
 from seamark.sim.engine.tracker_in_loop import Pose, TrackerInLoop
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import SEARCH_INDEX
-from seamark.sim.settings.search import TARGET_LABEL, SearchSettings
+from seamark.sim.settings.search import TARGET_LABEL, FindingSettings
 from seamark.sim.trackers import Tracker
 from seamark.sim.trackers.template.warps import is_convex
 
@@ -32,7 +32,7 @@ class SearchInLoop(TrackerInLoop):
     def __init__(
         self,
         camera: Camera,
-        settings: SearchSettings,
+        settings: FindingSettings,
         *,
         tracker: Tracker | None = None,
         detector: Detector | None = None,

@@ -1,6 +1,8 @@
 """The world of one level, built from configuration, conditions and random streams alone."""
 
+import math
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +14,7 @@ from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import MOUNT_M, Optics
 from seamark.sim.camera.pipe_camera import PipeCamera
+from seamark.sim.camera.standing_camera import StandingCamera
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
 from seamark.sim.control.observation import (
@@ -24,6 +27,7 @@ from seamark.sim.control.observation import (
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.detectors import Detector
+from seamark.sim.engine.dock_in_loop import Dock
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
 from seamark.sim.engine.pipe_in_loop import PipeInLoop
 from seamark.sim.engine.route_in_loop import Course
@@ -40,7 +44,7 @@ from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
 from seamark.sim.physics.bullet import BulletEngine
-from seamark.sim.physics.contact import Contact, TargetBox
+from seamark.sim.physics.contact import Contact, MakeEngine, TargetBox
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.pipe import Pipe
 from seamark.sim.physics.plant import Plant
@@ -53,7 +57,7 @@ from seamark.sim.sensors.depth import DepthGauge
 from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.experiment import ExperimentSettings
-from seamark.sim.settings.search import SearchSettings
+from seamark.sim.settings.search import FindingSettings
 from seamark.sim.sonar.device import Device
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
@@ -106,6 +110,8 @@ class Conditions:
     told_error_m: tuple[float, float] = (0.0, 0.0)  # north, east, of where the target is said to be
     encoder_bias: tuple[float, ...] = (0.0,)  # [rad] of each joint's, or of all
     course: Course | None = None  # what is to be followed
+    dock: Dock | None = None  # what is to be entered
+    start_above_m: float = 0.0  # of the start above its station
 
 
 @dataclass(slots=True, kw_only=True)
@@ -128,6 +134,7 @@ class Craft:
     contact: Contact | None
     arm: Arm | None
     course: Course | None
+    dock: Dock | None
 
     def close(self) -> None:
         """Release what the contact engine holds."""
@@ -180,21 +187,28 @@ def build_camera(
     workpiece: Workpiece | None = None,
     bottom: Tiles | None = None,
     pipe: Pipe | None = None,
+    dock: Dock | None = None,
 ) -> Camera:
     """Return the camera above the target: the part of a world that renders images.
 
     `target` is used instead of that of the settings; `workpiece` is what the arm works on, and
     `bottom` the seabed that a camera beside an arm sees, if it is not the plain one; `pipe` is what
-    lies on the bottom where one is followed.
+    lies on the bottom where one is followed, `dock` what stands around the target.
     """
     configured, optics = target_and_optics(config)
     target = target or configured
     arm, effects = config.chosen_arm(), _effects(config)
     if pipe is not None:
         return PipeCamera(optics, water, target, pipe, noise_seed=noise_seed)
+    vehicle = load(config.vehicle)
+    if dock is not None:
+        return StandingCamera(
+            *(optics, water, target, dock.things, vehicle),
+            noise_seed=noise_seed,
+            effects=effects,
+        )
     if arm is None:
         return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
-    vehicle = load(config.vehicle)
     carried = vehicle, _mounted(arm, vehicle)
     return ArmCamera(
         *(optics, water, target, carried),
@@ -258,6 +272,7 @@ def build_world(
             workpiece=conditions.workpiece,
             bottom=conditions.bottom,
             pipe=None if conditions.course is None else conditions.course.pipe,
+            dock=conditions.dock,
         )
 
     camera = camera_in(conditions.water)
@@ -268,7 +283,7 @@ def build_world(
         tracking = PipeInLoop(camera, altitude_m=altitude_m, step_s=step_s)
     elif craft.course is not None:
         tracking = Untracked(camera)
-    elif isinstance(config, SearchSettings):
+    elif isinstance(config, FindingSettings):
         tracking = SearchInLoop(camera, config, tracker=tracker, detector=detector)
     else:
         tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
@@ -283,6 +298,7 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
     target = conditions.target or target
     station, trial = start_pose(optics, target, config.altitude_m), conditions.trial
     start = _start(optics, station, trial)
+    start[2] -= conditions.start_above_m
     nominal = load(config.vehicle)  # all that the velocity controller knows
     vehicle = varied(nominal, trial.vehicle)
     centre = (target.north_m, target.east_m)
@@ -317,6 +333,7 @@ def build_craft(config: ExperimentSettings, conditions: Conditions, random: Stre
         contact=contact,
         arm=arm,
         course=conditions.course,
+        dock=conditions.dock,
     )
 
 
@@ -465,8 +482,11 @@ def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams
 
 def _contact(config: ExperimentSettings, moved: _Moved) -> Contact:
     """Return the contacts with the bottom and the target."""
-    engine = BulletEngine if config.contacts == "pybullet" else Hull
-    return Contact(moved.vehicle, moved.bottom, box=_box(moved.target), engine=engine)
+    engine: MakeEngine = BulletEngine if config.contacts == "pybullet" else Hull
+    dock, top_m = moved.conditions.dock, math.inf
+    if dock is not None:
+        engine, top_m = partial(Hull, things=dock.things), dock.top_m
+    return Contact(moved.vehicle, moved.bottom, box=_box(moved.target), engine=engine, top_m=top_m)
 
 
 def _box(target: Target) -> TargetBox:

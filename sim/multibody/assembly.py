@@ -206,6 +206,21 @@ def fixed_box(box: TargetBox) -> Mounting:
     return Mounting(linkage=linkage, place=place)
 
 
+def standing_shapes(mounting: Mounting) -> list[Shape]:
+    """Return the shapes of a thing in the world, none of whose links moves.
+
+    Raises
+    ------
+    ValueError
+        One of them does.
+    """
+    mechanism = Mechanism(links=[])
+    _add_linkage(mounting, mechanism)
+    if mechanism.links:
+        raise ValueError(f"{mounting.linkage.name} has a link that moves")
+    return mechanism.shapes
+
+
 def vehicle_link(vehicle: Vehicle) -> Link:
     """Return the link of a vehicle."""
     weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar

@@ -2,13 +2,15 @@
 
 The plant integrates the vehicle; here a step's contact impulse is found from where it has come and
 how fast it would go on, with its whole mass, rigid and added. A box that can be pushed is moved
-here; it has its weight in water and no drag.
+here; it has its weight in water and no drag. Things in the world, such as a dock, stand still.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 
-from seamark.sim.multibody.assembly import VEHICLE, hull_shapes
+from seamark.sim.multibody.assembly import VEHICLE, Mounting, hull_shapes, standing_shapes
 from seamark.sim.multibody.contacts import find_touches, place_shapes
 from seamark.sim.multibody.mechanism import (
     UNTURNED,
@@ -38,10 +40,17 @@ ITERATIONS = 30
 class Hull:
     """The contacts of a vehicle's hull; see `physics.contact.Engine`."""
 
-    def __init__(self, vehicle: Vehicle, bottom: Bottom, box: TargetBox | None) -> None:
-        """Put the box where it lies."""
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        bottom: Bottom,
+        box: TargetBox | None,
+        *,
+        things: Sequence[Mounting] = (),
+    ) -> None:
+        """Put the box where it lies, and things whose links do not move where they stand."""
         self._moves = box is not None and not box.fixed
-        self._model = _mechanism(vehicle, box).model(constants.STEP_S.scalar)
+        self._model = _mechanism(vehicle, box, things).model(constants.STEP_S.scalar)
         self._state = state_for(self._model)
         self._work = work_for(self._model)
         self._none = command_for(self._model)
@@ -93,7 +102,7 @@ def warm_up() -> None:
     hull.step(state, state, constants.STEP_S.scalar)
 
 
-def _mechanism(vehicle: Vehicle, box: TargetBox | None) -> Mechanism:
+def _mechanism(vehicle: Vehicle, box: TargetBox | None, things: Sequence[Mounting]) -> Mechanism:
     friction = constants.FRICTION.scalar
     hull = hull_shapes(vehicle)
     links = [Link(name=VEHICLE, rigid=vehicle.mass_rigid(), added=vehicle.mass_added())]
@@ -130,6 +139,9 @@ def _mechanism(vehicle: Vehicle, box: TargetBox | None) -> Mechanism:
         )
         touching.append("box")
     pairs += [(piece.name, other) for piece in hull for other in touching]
+    standing = [shape for thing in things for shape in standing_shapes(thing)]
+    shapes += standing
+    pairs += [(shape.name, piece.name) for shape in standing for piece in hull]
     return Mechanism(links=links, shapes=shapes, pairs=pairs)
 
 

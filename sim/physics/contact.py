@@ -76,9 +76,13 @@ class Contact:
         *,
         engine: MakeEngine,
         box: TargetBox | None = None,
+        top_m: float = math.inf,
     ) -> None:
-        """Set up contacts; the engine is made when something can touch."""
-        top = bottom.top_m
+        """Set up contacts; the engine is made when something can touch.
+
+        `top_m` is the least depth [m] of what else the engine has in the world.
+        """
+        top = min(bottom.top_m, top_m)
         if box is not None:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
         self.gate_depth = top - GATE_M - vehicle.hull_radius()

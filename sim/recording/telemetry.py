@@ -6,11 +6,13 @@ frame (NED), velocities in the body frame.
 
 Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with an arm
 has `ARM_WIDTH` further columns, one that works on something `WORK_WIDTH` more, one that first has
-to find it `SEARCH_WIDTH` more, one without an arm that follows a route `ROUTE_WIDTH` more, a row of
-a detector `DETECTION_WIDTH` more, and a vehicle with more thrusters has theirs at the end. These
-are fewer than the columns of any group, those of a route with them fewer than those of an arm, and
-those of a detector more than all others together, so the width of a row says which columns it has,
-and rows of all versions and vehicles can be read alike.
+to find it `SEARCH_WIDTH` more, one without an arm that follows a route `ROUTE_WIDTH` more, one that
+enters a dock `DOCK_WIDTH` more, a row of a detector `DETECTION_WIDTH` more, and a vehicle with more
+thrusters has theirs at the end. These are fewer than the columns of any group, those of a route
+with them fewer than those of a dock, these fewer than those of an arm, and those of a detector more
+than all others together, so the width of a row says which columns it has, and rows of all versions
+and vehicles can be read alike. Rows with a dock have a column for every thruster that a vehicle may
+have: with only those there are, some would be as wide as rows of a route.
 """
 
 import hashlib
@@ -170,6 +172,35 @@ ROUTE_COLUMNS: tuple[Column, ...] = (
     *_vector("fix_bearing fix_elevation", "rad", "measured direction, from north and downwards"),
     *_vector("boat_x boat_y boat_z", "m", "position of the acoustic transceiver, world frame"),
 )
+DOCK_COLUMNS: tuple[Column, ...] = (
+    *_vector(
+        "dock_x dock_y dock_z",
+        "m",
+        "where the vehicle's origin is when it is docked, world frame",
+    ),
+    Column("dock_heading", "rad", "its heading when it is docked"),
+    *_vector(
+        "dock_ahead dock_side dock_below",
+        "m",
+        "vehicle's origin from there: forward, to starboard and down in the dock's axes",
+    ),
+    Column("dock_turn", "rad", "vehicle's heading less that of the dock, -pi to pi"),
+    Column("dock_depth", "m", "how far the keel is below the mouth of the dock; negative above"),
+    *_vector("dock_fix_x dock_fix_y dock_fix_z", "m", "the dock by its last acoustic answer"),
+    Column("dock_fix_age", "s", "time since it was asked; nan before the first answer"),
+    Column("dock_fix_sigma", "m", "standard deviation of each level axis of it"),
+    Column("dock_range", "m", "measured distance of the dock from the vehicle"),
+    *_vector("dock_bearing dock_elevation", "rad", "measured direction, from north and downwards"),
+    *_vector("light_x light_y", "px", "the dock's lamps in the image; nan where they are not seen"),
+    Column("searching", "", "1 while no target is being tracked, so that a detector looks for one"),
+    Column("looked", "", "1 if a detector was given the image of this row"),
+    *_vector(
+        "found_x0 found_y0 found_x1 found_y1 found_x2 found_y2 found_x3 found_y3",
+        "px",
+        "corners of the most confident answer to this image; nan if there is none",
+    ),
+    Column("found_confidence", "", "its confidence, 0 to 1; nan if there is none"),
+)
 _CORNERS = "x0 y0 x1 y1 x2 y2 x3 y3"
 OBJECT_COLUMNS: tuple[Column, ...] = (
     Column("state", "", "object of one class: 0 not in the image, 1 counts, 2 is ignored"),
@@ -209,6 +240,8 @@ WIDTH, ARM_WIDTH, WORK_WIDTH = len(COLUMNS), len(ARM_COLUMNS), len(WORK_COLUMNS)
 ARM_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ARM_COLUMNS)}
 DETECTION_WIDTH = len(DETECTION_COLUMNS)
 SEARCH_WIDTH, ROUTE_WIDTH = len(SEARCH_COLUMNS), len(ROUTE_COLUMNS)
+DOCK_WIDTH, DOCK_THRUSTERS = len(DOCK_COLUMNS), 20
+_DOCK_WHOLE = WIDTH + DOCK_WIDTH + DOCK_THRUSTERS - COMMON_THRUSTERS
 _WORK_START = WIDTH + ARM_WIDTH
 _SEARCH_START = _WORK_START + WORK_WIDTH
 WORK_INDEX: dict[str, int] = {
@@ -218,6 +251,7 @@ SEARCH_INDEX: dict[str, int] = {
     column.name: _SEARCH_START + at for at, column in enumerate(SEARCH_COLUMNS)
 }
 ROUTE_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(ROUTE_COLUMNS)}
+DOCK_INDEX: dict[str, int] = {column.name: WIDTH + at for at, column in enumerate(DOCK_COLUMNS)}
 STEP_US = INDEX["step_us"]
 POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -248,12 +282,18 @@ def has_search(width: int) -> bool:
 
 def has_route(width: int) -> bool:
     """Return whether rows of this width are those of a vehicle that follows a route."""
-    return WIDTH + ROUTE_WIDTH <= _without_detections(width) < WIDTH + ARM_WIDTH
+    return WIDTH + ROUTE_WIDTH <= _without_detections(width) < _DOCK_WHOLE
+
+
+def has_dock(width: int) -> bool:
+    """Return whether rows of this width are those of a vehicle that enters a dock."""
+    return _DOCK_WHOLE <= _without_detections(width) < WIDTH + ARM_WIDTH
 
 
 def _before_detections(width: int) -> int:
     work = WIDTH + has_arm(width) * ARM_WIDTH + has_work(width) * WORK_WIDTH
-    return work + has_search(width) * SEARCH_WIDTH + has_route(width) * ROUTE_WIDTH
+    alone = has_route(width) * ROUTE_WIDTH + has_dock(width) * DOCK_WIDTH
+    return work + has_search(width) * SEARCH_WIDTH + alone
 
 
 def _before_thrusts(width: int) -> int:
@@ -267,10 +307,11 @@ def columns(width: int) -> tuple[Column, ...]:
     work = WORK_COLUMNS if has_work(width) else ()
     search = SEARCH_COLUMNS if has_search(width) else ()
     route = ROUTE_COLUMNS if has_route(width) else ()
+    dock = DOCK_COLUMNS if has_dock(width) else ()
     detections = DETECTION_COLUMNS if has_detections(width) else ()
     thrusters = COMMON_THRUSTERS + width - _before_thrusts(width)
     further = map(_thrust, range(COMMON_THRUSTERS, thrusters))
-    return (*COLUMNS, *arm, *work, *search, *route, *detections, *further)
+    return (*COLUMNS, *arm, *work, *search, *route, *dock, *detections, *further)
 
 
 def names(width: int) -> tuple[str, ...]:
@@ -285,16 +326,18 @@ def width_for(
     work: bool = False,
     search: bool = False,
     route: bool = False,
+    dock: bool = False,
     detections: bool = False,
 ) -> int:
     """Return the width of a row for a vehicle with this number of thrusters.
 
     `arm` is whether it has an arm, `work` whether that works on something, `search` whether it
-    first looks for it, `route` whether it follows one, `detections` whether a detector answers its
-    images.
+    first looks for it, `route` whether it follows one, `dock` whether it enters one, `detections`
+    whether a detector answers its images.
     """
     own = WIDTH + arm * ARM_WIDTH + work * WORK_WIDTH + search * SEARCH_WIDTH
-    own += route * ROUTE_WIDTH + detections * DETECTION_WIDTH
+    own += route * ROUTE_WIDTH + dock * DOCK_WIDTH + detections * DETECTION_WIDTH
+    thrusters = DOCK_THRUSTERS if dock else thrusters
     return own + max(thrusters - COMMON_THRUSTERS, 0)
 
 

@@ -59,10 +59,13 @@ class Usbl:
         self._under_way: list[tuple[int, Fix]] = []  # the step of arrival of each
         self.last: Fix | None = None
 
-    def step(self, step: int, position_m: Array) -> None:
-        """Ping if it is time, and take what arrives; `position_m` is the beacon's, (3,) NED."""
+    def step(self, step: int, position_m: Array, *, heard: bool = True) -> None:
+        """Ping if it is time, and take what arrives; `position_m` is the beacon's, (3,) NED.
+
+        `heard` is whether its answer to a ping of now can be told from echoes.
+        """
         ping, since = divmod(step, self._noise.period_steps)
-        if since == 0 and self._shares[ping] >= self._noise.dropout:
+        if since == 0 and heard and self._shares[ping] >= self._noise.dropout:
             fix = self._measured(step, position_m, self._normals[ping].tolist())
             late_s = self._noise.delay_s + 2.0 * fix.range_m / SOUND_M_S
             self._under_way.append((step + max(round(late_s / self._step_s), 0), fix))

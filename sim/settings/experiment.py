@@ -202,6 +202,14 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         """Return whether there is a route to follow."""
         return False
 
+    def has_dock(self) -> bool:
+        """Return whether there is a dock to enter."""
+        return False
+
+    def told(self) -> dict[str, bool]:
+        """Return which further groups of fields an observation has; see `control.observation`."""
+        return {"search": self.searches(), "route": self.has_route(), "dock": self.has_dock()}
+
     def vehicles(self) -> tuple[str, ...]:
         """Return the vehicles that take turns from trial to trial: one, unless overridden."""
         return (self.vehicle,)
@@ -287,7 +295,8 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def telemetry_width(self, thrusters: int) -> int:
         """Return how many columns a row has for a vehicle with this number of thrusters."""
         arm, work, search = self.chosen_arm() is not None, self.has_workpiece(), self.searches()
-        return width_for(thrusters, arm=arm, work=work, search=search, route=self.has_route())
+        alone = {"route": self.has_route(), "dock": self.has_dock()}
+        return width_for(thrusters, arm=arm, work=work, search=search, **alone)
 
     @property
     def physics_steps_per_control_step(self) -> int:

@@ -20,8 +20,8 @@ _DECLARED = declarations(BOX_DETECTORS, declaration)
 
 
 @with_options("detector", _DECLARED, detector_setting)
-class SearchSettings(ChosenDetector, ExperimentSettings):
-    """Which detector looks for the target, how often, and how far off the vehicle starts."""
+class FindingSettings(ChosenDetector, ExperimentSettings):
+    """Which detector finds the target for the tracker, and how often it looks."""
 
     detector: str = detector_setting(
         "face",
@@ -49,6 +49,11 @@ class SearchSettings(ChosenDetector, ExperimentSettings):
         source="at 0.4 m/s the camera moves on by a sixth of its view",
         advanced=True,
     )
+
+
+class SearchSettings(FindingSettings):
+    """Which detector looks for the target, how often, and how far off the vehicle starts."""
+
     told_error_m: float = search_setting(
         2.0,
         title="Error of the position told",

@@ -66,6 +66,7 @@ SHORT: dict[str, dict[str, object]] = {
     "patterns-v1": {"optical_depths": [0.0, 3.0], "level_duration_s": 4.0},
     "mission-v1": {"levels": [0.3], "loop1_values": [0.5], "level_duration_s": 6.0},
     "track-v1": {"levels": [0.3], "level_duration_s": 6.0},
+    "dock-v1": {"levels": [0.3], "level_duration_s": 6.0, "tracker": "truth"},
     "recover-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
     "valve-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},
     "connect-v1": {"levels": [0.4], "level_duration_s": 4.0, "tracker": "truth"},

@@ -66,6 +66,12 @@ static const struct field FIELDS[] = {
     {"fix_sigma", AT(fix_sigma), 1, 0},
     {"pipe_offset", AT(pipe_offset), 1, 0},
     {"pipe_angle", AT(pipe_angle), 1, 0},
+    {"dock", AT(dock), 3, 0},
+    {"dock_age", AT(dock_age), 1, 0},
+    {"dock_sigma", AT(dock_sigma), 1, 0},
+    {"dock_heading", AT(dock_heading), 1, 0},
+    {"light", AT(light), 2, 0},
+    {"light_visible", AT(light_visible), 1, 0},
     {"image_t", AT(image_t), 1, 0},
 };
 

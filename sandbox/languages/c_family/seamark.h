@@ -70,6 +70,14 @@ typedef struct seamark_observation {
     double pipe_offset; /* [m] how far to starboard of its own direction the pipe is, by where the
                            detector last saw it; 0 on another route */
     double pipe_angle;  /* [rad] of this direction from the bow, clockwise */
+    /* Where a dock has to be entered: */
+    double dock[3];       /* [m] where it is by its last acoustic answer: north, east and down of where
+                             the vehicle was then */
+    double dock_age;      /* [s] since it was asked; -1 before the first answer */
+    double dock_sigma;    /* [m] standard deviation of each of the first two numbers */
+    double dock_heading;  /* [rad] in which the dock takes a vehicle, from north, clockwise */
+    double light[2];      /* [px] its lamps in the image, minus its centre; the last ones seen */
+    double light_visible; /* 1 while they are in the image and bright enough, else 0 */
     /* With the setting `images` or `sonar`: */
     double image_t;        /* [s] simulated time at which the newest images were taken */
     seamark_images images; /* grey; all their cameras take them at once */

@@ -122,8 +122,9 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
 def _refuse_what_does_not_apply(context: click.Context, benchmark: str, *, detectors: bool) -> None:
     """Refuse a benchmark without images, and options of the other kind of benchmark."""
-    if benchmark_of(benchmark).follows_route:
-        raise UsageRefused(f"{benchmark} has no data set: nothing in it is done by images.")
+    why = benchmark_of(benchmark).lacks_images
+    if why:
+        raise UsageRefused(f"{benchmark} has no data set: {why}.")
     given = [
         option.opts[0]
         for option in context.command.params

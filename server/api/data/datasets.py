@@ -54,10 +54,10 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             "other runs have too. Start a practice run with the same configuration instead.",
         )
     benchmark = registry.benchmark(view.benchmark)
-    if benchmark.follows_route:
+    if benchmark.lacks_images:
         raise Problem(
             "conflict",
-            f"A run of {view.benchmark} has no data set: nothing in it is done by images.",
+            f"A run of {view.benchmark} has no data set: {benchmark.lacks_images}.",
         )
     if benchmark.role == "detector":
         raise Problem(

@@ -246,6 +246,7 @@ def _telemetry() -> dict[str, Any]:
         "work_columns": work,
         "search_columns": search,
         "route_columns": route,
+        "dock_columns": _alike(telemetry.DOCK_COLUMNS),
         "object_columns": _alike(_numbered("object", telemetry.OBJECT_COLUMNS)),
         "answer_columns": _alike(_numbered("answer", telemetry.ANSWER_COLUMNS)),
         "answers": telemetry.ANSWERS,

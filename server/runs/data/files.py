@@ -76,6 +76,7 @@ class RunFiles:
             "work": telemetry.WORK_COLUMNS,
             "search": telemetry.SEARCH_COLUMNS,
             "route": telemetry.ROUTE_COLUMNS,
+            "dock": telemetry.DOCK_COLUMNS,
             "detections": telemetry.DETECTION_COLUMNS,
         }
         has = {name: group[0].name in written for name, group in optional.items()}

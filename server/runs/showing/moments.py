@@ -17,12 +17,14 @@ from seamark.server.runs.showing.views import RunView
 from seamark.sim import registry
 from seamark.sim.metrics.following import COMPLETED_M, REACH_M
 from seamark.sim.recording.telemetry import (
+    DOCK_INDEX,
     INDEX,
     ROUTE_COLUMNS,
     ROUTE_INDEX,
     SEARCH_INDEX,
     Rows,
     has_detections,
+    has_dock,
     has_route,
     has_search,
 )
@@ -101,6 +103,8 @@ def _lost(rows: Rows) -> Flags:
     lost: Flags = np.isfinite(reported) & (reported != 1.0) & (not has_detections(rows.shape[1]))
     if has_search(rows.shape[1]):  # what is still looked for is not lost
         lost &= rows[:, SEARCH_INDEX["searching"]] != 1.0
+    elif has_dock(rows.shape[1]):
+        lost &= rows[:, DOCK_INDEX["searching"]] != 1.0
     return lost
 
 

@@ -186,10 +186,11 @@ def _path(camera: "Camera", config: Any, level: int) -> dict[str, Any] | None:
 
 
 def _workpiece(camera: "Camera") -> "Workpiece | None":
-    """Return what the arm of the vehicle with this camera works on."""
+    """Return what the arm of the vehicle with this camera works on, or the dock that it enters."""
     from seamark.sim.camera.arm_camera import ArmCamera  # noqa: PLC0415 - loads compiled code
+    from seamark.sim.camera.standing_camera import StandingCamera  # noqa: PLC0415 - likewise
 
-    return camera.workpiece if isinstance(camera, ArmCamera) else None
+    return camera.workpiece if isinstance(camera, ArmCamera | StandingCamera) else None
 
 
 def work_shape(work: "Workpiece") -> dict[str, Any]:

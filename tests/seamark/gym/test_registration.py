@@ -30,6 +30,7 @@ def test_the_names_of_the_environments_are_those_of_the_guide() -> None:
         "seamark/VisualTracking-v3": "visibility-v3",
         "seamark/Mission-v1": "mission-v1",
         "seamark/Track-v1": "track-v1",
+        "seamark/Dock-v1": "dock-v1",
         "seamark/Recover-v1": "recover-v1",
         "seamark/Valve-v1": "valve-v1",
         "seamark/Connect-v1": "connect-v1",

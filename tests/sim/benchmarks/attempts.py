@@ -17,7 +17,7 @@ class Driver:
     def __init__(self, controller: Any, config: Any) -> None:
         arm = config.chosen_arm()
         self._controller, self._size = controller, arm_size(arm) if arm else None
-        self._told = {"search": config.searches(), "route": config.has_route()}
+        self._told = config.told()
         self.commands: list[Command] = []
 
     def reset(self, level: Any) -> None:

@@ -111,9 +111,9 @@ def test_every_thruster_has_a_column_and_none_of_the_others_moves(thrusters: int
 
 
 def test_the_width_of_rows_says_which_columns_they_have() -> None:
-    alone = [(False, False, False, route) for route in (False, True)]
+    alone = [(False, False, False, route, False) for route in (False, True)]
     arms = [
-        (True, work, search, False)
+        (True, work, search, False, False)
         for work, search in ((False, False), (True, False), (True, True))
     ]
     kinds = [
@@ -122,7 +122,9 @@ def test_the_width_of_rows_says_which_columns_they_have() -> None:
             range(COMMON_THRUSTERS, THRUSTERS_MAX + 1), [*alone, *arms], [False, True]
         )
     ]
-    groups = "arm", "work", "search", "route", "detections"
+    # A dock's rows have a column for every thruster that a vehicle may have.
+    kinds += [(THRUSTERS_MAX, *[False] * 4, True, detections) for detections in (False, True)]
+    groups = "arm", "work", "search", "route", "dock", "detections"
 
     widths = [
         telemetry.width_for(thrusters, **dict(zip(groups, flags, strict=True)))
@@ -136,6 +138,12 @@ def test_the_width_of_rows_says_which_columns_they_have() -> None:
         has = [getattr(telemetry, f"has_{group}")(width) for group in groups]
         assert (found, *has) == kind
         assert len(set(names)) == len(names) == width
+
+
+def test_rows_of_a_dock_are_as_wide_whatever_the_vehicle() -> None:
+    assert telemetry.DOCK_THRUSTERS == THRUSTERS_MAX
+    widths = {telemetry.width_for(count, dock=True) for count in range(THRUSTERS_MAX + 1)}
+    assert len(widths) == 1
 
 
 @pytest.mark.parametrize(("arm", "work"), [(False, False), (True, False), (True, True)])

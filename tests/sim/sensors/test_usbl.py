@@ -38,6 +38,21 @@ def test_without_noise_a_fix_is_where_the_vehicle_was() -> None:
     assert usbl.last.range_m == pytest.approx(34.0, abs=0.01)
 
 
+def test_an_answer_that_is_not_heard_gives_no_fix_and_leaves_the_noise_of_the_others() -> None:
+    whole, gap = (system(replace(NOISY, dropout=0.0)) for _ in range(2))
+
+    whole.step(0, VEHICLE)
+    gap.step(0, VEHICLE, heard=False)
+    assert gap.last is None
+    for step in (1, 2):
+        whole.step(step, VEHICLE)
+        gap.step(step, VEHICLE)
+
+    assert whole.last is not None
+    assert gap.last is not None
+    assert np.array_equal(whole.last.position_m, gap.last.position_m)
+
+
 def test_a_fix_is_of_the_ping_and_arrives_after_the_delay_and_the_way_of_the_sound() -> None:
     usbl = system(replace(EXACT, delay_s=1.0))
     way_s = 2.0 * float(np.linalg.norm(VEHICLE - BOAT)) / SOUND_M_S

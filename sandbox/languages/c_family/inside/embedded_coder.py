@@ -25,6 +25,14 @@ OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"wrist_force": 3, "wrist_torque": 3, "touch": MAX_JOINTS},
     **{"told": 2, "confidence": 0},
     **{"route": 96, "fix": 2, "fix_age": 0, "fix_sigma": 0, "pipe_offset": 0, "pipe_angle": 0},
+    **{
+        "dock": 3,
+        "dock_age": 0,
+        "dock_sigma": 0,
+        "dock_heading": 0,
+        "light": 2,
+        "light_visible": 0,
+    },
     "image_t": 0,
 }
 ARM = "arm"  # an output with the speeds of an arm's joints
