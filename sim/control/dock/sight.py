@@ -72,6 +72,7 @@ class DockSight:
             fix=(-north, -east),
             fix_age=-1.0 if unused or self.seen_s < FRESH_S else age,
             fix_sigma=observation.dock_sigma,
+            pipe=(0.0, 0.0),
         )
 
     def _look(self, observation: Observation) -> None:
