@@ -10,8 +10,10 @@ from seamark.sim.camera.bodies import Bodies, Placed
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.pipe_camera import PipeCamera
+from seamark.sim.camera.standing_camera import StandingCamera
 from seamark.sim.camera.target import Target
-from seamark.sim.multibody.assembly import VEHICLE, Frame, Look
+from seamark.sim.multibody.assembly import VEHICLE, Frame, Look, Mounting, assemble
+from seamark.sim.multibody.posture import VEHICLE_MOTION, Posture
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics.pipe import Pipe
@@ -20,6 +22,8 @@ from seamark.sim.sonar.acoustics import HARD_DB, power_of_ten
 from seamark.sim.sonar.device import Device
 from seamark.sim.sonar.display import in_colour
 from seamark.sim.sonar.sonar import Sonar, mounted
+from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles.matrices import multiplied
 from seamark.sim.vehicles.solids import DARK, Solid
 
 FAN_HEIGHT_PX = 480  # as high as an image of the usual camera
@@ -78,6 +82,8 @@ def build_sonar(config: ExperimentSettings, camera: Camera, random: Streams) -> 
     things: Sequence[Look] = ()
     if isinstance(camera, PipeCamera):
         target, things = None, pipe_looks(camera.pipe)
+    elif isinstance(camera, StandingCamera):  # the target is a part of what stands there
+        target, things = None, standing_looks(load(config.vehicle), camera.workpiece.things)
     return VehicleSonar(
         *(device, target, things),
         seabed_m=camera.target.seabed_m,
@@ -97,6 +103,22 @@ def pipe_looks(pipe: Pipe) -> list[Look]:
             wide = 2.0 * pipe.radius_m
             solid = Solid("capsule", (stop - begin + wide, wide, wide), _NO_POINT, DARK)
             looks.append(Look(Frame(None, np.array([*middle, pipe.seabed_m]), turn), solid))
+    return looks
+
+
+def standing_looks(vehicle: Vehicle, things: Sequence[Mounting]) -> list[Look]:
+    """Return what things that do not move look like, in the axes of the world."""
+    assembly = assemble(vehicle, things, bottom=False)
+    names = [link.name for link in assembly.mechanism.links]
+    rotation, position, _ = Posture(assembly).place(np.zeros(VEHICLE_MOTION))
+    looks = []
+    for look in assembly.looks[len(vehicle.drawn()) :]:
+        on = look.on
+        if on.link is not None:
+            link = names.index(on.link)
+            placed = Frame(None, position[link], rotation[link])
+            on = Frame(None, placed.at(on.point.tolist()), multiplied(placed.turn, on.turn))
+        looks.append(Look(on, look.solid))
     return looks
 
 

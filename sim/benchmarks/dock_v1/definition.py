@@ -16,6 +16,7 @@ from seamark.sim.metrics.metric import Metric
 from seamark.sim.recording.telemetry import thrust_names
 from seamark.sim.settings.docking import ANSWERS
 from seamark.sim.settings.docking import GROUP as DOCK
+from seamark.sim.settings.sonar import GROUP as SONAR
 from seamark.sim.settings.trial_spreads import GROUP as SPREADS
 from seamark.sim.vehicles import load, most_thrusters
 
@@ -78,7 +79,7 @@ BENCHMARK = Benchmark(
     groups=(
         *("Experiment", DOCK, ANSWERS, "Position controller", "Tracker", "Detector", "Grid"),
         *("Current", "Water and camera", "Station keeper", "Velocity controller", "Sensors"),
-        *("Faults", SPREADS),
+        *(SONAR, "Faults", SPREADS),
     ),
     presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
     quick_settings={"levels": [0.1], "level_duration_s": 4.0},

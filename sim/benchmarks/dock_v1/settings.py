@@ -11,6 +11,7 @@ from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.docking import DockSettings
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.setting import override
+from seamark.sim.settings.sonar import SonarSettings
 from seamark.sim.settings.targets import TargetShape
 from seamark.sim.settings.tracker import RobustTrackerSettings
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
@@ -28,7 +29,9 @@ def keel_m(vehicle: Vehicle) -> float:
     return max(piece.centre.value[2] + 0.5 * piece.size.value[2] for piece in vehicle.hull)
 
 
-class DockConfiguration(RobustTrackerSettings, DockSettings, CurrentLevels, TrialSpreadSettings):
+class DockConfiguration(
+    RobustTrackerSettings, DockSettings, CurrentLevels, TrialSpreadSettings, SonarSettings
+):
     """Settings of dock-v1. Seed, trials and controller are not part of it."""
 
     vehicle: str = experiment_setting(
