@@ -3,11 +3,12 @@
 from dataclasses import replace
 from pkgutil import resolve_name
 
-from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol
+from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol, StartingPoint
 from seamark.sim.benchmarks.currents_v2.definition import BENCHMARK as BEFORE
 from seamark.sim.benchmarks.currents_v3.azimuths import STRATA
 from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING, CurrentsConfiguration
 from seamark.sim.registry import controllers
+from seamark.sim.vehicles import load
 
 TASK = "tool"
 # Of those of currents-v2, but for neighbours that few trials tell apart.
@@ -27,6 +28,15 @@ BENCHMARK = replace(
         **{name: BEFORE.baselines[name] for name in MARKS},
         "into-current": Baseline("Bow into the current", "into-current"),
         "oracle": Baseline("Reference: knows the truth, limited by thrust", "oracle"),
+    },
+    presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
+    starting_points={
+        **BEFORE.starting_points,
+        "bluerov2": StartingPoint(
+            "BlueROV2",
+            "A lighter vehicle with eight thrusters, with its own defaults.",
+            {"vehicle": "bluerov2-heavy-v2"},
+        ),
     },
     scale=(0.018, 0.703),  # ./run performance headroom
     experiment="seamark.sim.benchmarks.currents_v3.experiment:EXPERIMENT",
