@@ -69,5 +69,5 @@ def _further(names: Iterable[str]) -> dict[str, Callable[[], None]]:
 def _shortest_trial(name: str, **settings: object) -> None:
     benchmark = registry.benchmark(name)
     config = benchmark.read({**benchmark.quick_settings, **settings})
-    solution = benchmark.load().built_in(next(iter(benchmark.built_in)), config)
+    solution = benchmark.load().built_in(next(iter(benchmark.built_in)), config.for_trial(0))
     run_trial(name, config, solution, seed=0, trial=0, on_rows=lambda _rows: None)

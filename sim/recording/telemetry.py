@@ -62,9 +62,7 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("u v w", "m/s", "velocity over ground, body frame: surge, sway, heave"),
     *_vector("p q r", "rad/s", "angular velocity, body frame"),
     *_vector("current_x current_y current_z", "m/s", "velocity of the water, world frame"),
-    *_vector(
-        "target_x target_y", "px", "true image position of the target, also beyond the edges"
-    ),
+    *_vector("target_x target_y", "px", "true image position of the target, also beyond the edges"),
     *_vector("tracked_x tracked_y", "px", "image position of the target according to the tracker"),
     *(
         Column(f"corner_{i}", "px", "corner of the target according to the tracker, x0 y0 to x3 y3")
