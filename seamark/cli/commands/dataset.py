@@ -237,7 +237,7 @@ def _rows(
     run_trial(
         benchmark,
         config,
-        entry.load().built_in(name, config),
+        entry.load().built_in(name, config.for_trial(trial)),
         seed=seed,
         trial=trial,
         on_rows=keep,

@@ -59,3 +59,13 @@ def test_a_benchmark_of_routes_has_no_data_set(tmp_path: Path) -> None:
     assert done.exit_code == 2
     assert "track-v1 has no data set" in done.stderr
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_solution_that_knows_the_vehicle_is_told_that_of_the_trial(tmp_path: Path) -> None:
+    out = str(tmp_path / "a.zip")
+
+    done = CliRunner().invoke(
+        cli, ["dataset", "currents-v3", *SHORT, "--solution", "lqr", "--every", "30", "--out", out]
+    )
+
+    assert done.exit_code == 0, done.output

@@ -74,7 +74,7 @@ def test_every_name_in_metrics_json_is_documented(name: str) -> None:
     if "loop1" in entry.configuration.model_fields:
         values |= {"loop1": "repeat", "loop1_values": [1]}
     config = entry.read(values)
-    solution = entry.load().built_in(next(iter(entry.built_in)), config)
+    solution = entry.load().built_in(next(iter(entry.built_in)), config.for_trial(0))
     result = run_trial(name, config, solution, seed=0, trial=0, on_rows=lambda _rows: None)
 
     trials = 1 if entry.protocol is None else entry.protocol.trials
