@@ -7,12 +7,13 @@ from playwright.sync_api import Browser, ViewportSize
 from sqlalchemy import update
 
 from seamark.server.database.tables import Best
+from seamark.sim import registry
 from tests.cast import Backend
 from tests.services.pages import served
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
-NAME = "currents-v2"
+NAME = registry.DEFAULT_BENCHMARK
 SCREENS = ((1280, 900, 330), (375, 800, 400))  # [px]: size, and how far down the table has begun
 OVERLAPS = """() => {
   const of = (css) => [...document.querySelectorAll(css)].map((one) => one.getBoundingClientRect());

@@ -17,6 +17,7 @@ MARKS = ("nothing", "blind", "p", "pi", "pid", "lqr")
 BENCHMARK = replace(
     BEFORE,
     name="currents-v3",
+    title="Position controllers in currents from all sides",
     gym_family="StationKeeping",
     summary=(
         "Hold a tool over a point on the bottom in currents of 0.1 to 1 m/s from all sides, with "

@@ -55,7 +55,9 @@ export class Numbers {
     /** @type {(wanted: string) => boolean} */
     const has = (wanted) => columns.some(({ name }) => name === wanted);
     const known = SHOWN.filter(([, column]) => has(column));
-    const shown = has("reach") ? known.filter(([, column]) => column !== "distance") : known;
+    // An arm's reach stands for the distance, and a route has no target that a tracker follows.
+    const left = has("reach") ? "distance" : has("cross_track") ? "tracker_ok" : "";
+    const shown = known.filter(([, column]) => column !== left);
     /** @type {typeof SHOWN} */
     this.shown = stage ? [...shown, ["Stage", "", stage]] : shown;
     this.values = this.shown.map(([label]) => {
