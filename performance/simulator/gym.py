@@ -25,7 +25,7 @@ from seamark.sim.vehicles import load
 
 _VEHICLES = 1024
 _STEPS, _REPEATS, _PHYSICS_STEPS, _STEP_S = 40, 9, 5, 0.01
-_NAME = "seamark/StationKeeping-v2"
+_NAME = "seamark/StationKeeping-v3"
 _SETTINGS = {"tracker": "truth", "vehicle": "girona500"}
 _PER_SECOND = 1e6  # us
 _HEAD = (

@@ -46,7 +46,7 @@ def _many(name: str, num_envs: int, **options: Any) -> gymnasium.vector.VectorEn
 class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3 it is a plain class
     """Vehicles, in float32 and with actions from -1 to 1.
 
-        model = PPO("MlpPolicy", SeamarkVecEnv("seamark/StationKeeping-v2", num_envs=64))
+        model = PPO("MlpPolicy", SeamarkVecEnv("seamark/StationKeeping-v3", num_envs=64))
 
     A vehicle whose level is over begins the next one at once; its info then has
     `terminal_observation` and `TimeLimit.truncated`, as in every `VecEnv`.
@@ -54,7 +54,7 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
 
     def __init__(
         self,
-        name: str = "seamark/StationKeeping-v2",
+        name: str = "seamark/StationKeeping-v3",
         *,
         num_envs: int,
         settings: Mapping[str, object] | None = None,

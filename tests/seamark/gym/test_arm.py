@@ -13,7 +13,7 @@ from seamark.sim.recording.telemetry import ARM_INDEX
 from tests.sim.engine.test_arm import SEED, SHORT, Moving, run
 
 COMMAND = (0.1, 0.0, 0.0, 0.0, 0.3, -0.2, 0.0, 0.0, -0.1)
-ENVIRONMENT = "seamark/StationKeeping-v2"
+ENVIRONMENT = "seamark/StationKeeping-v3"
 
 
 def make(**options: Any) -> gymnasium.Env[Any, Any]:

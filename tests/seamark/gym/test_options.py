@@ -12,7 +12,7 @@ import pytest
 import seamark.gym  # noqa: F401  # registers the environments
 from seamark.gym.stable_baselines import SeamarkVecEnv
 
-NAME = "seamark/StationKeeping-v2"
+NAME = "seamark/StationKeeping-v3"
 TRUTH = {"tracker": "truth", "levels": [0.1], "level_duration_s": 2.0, "settle_s": 0.5}
 NORMALISED: dict[str, Any] = {"dtype": "float32", "normalise_actions": True}
 

@@ -10,7 +10,7 @@ import pytest
 import seamark.gym  # noqa: F401  # registers the environments
 from seamark.sim.vehicles.reading import VehicleInvalid
 
-NAME = "seamark/StationKeeping-v2"
+NAME = "seamark/StationKeeping-v3"
 SHORT = {"tracker": "truth", "levels": [0.1], "level_duration_s": 2.0, "settle_s": 0.5}
 MINE = """
 format = 1

@@ -70,7 +70,7 @@ def test_the_episodes_of_a_seed_are_the_run_with_that_seed(name: str) -> None:
 
 
 def test_a_seed_gives_the_same_water_and_another_seed_another_one() -> None:
-    env = env_of("seamark/StationKeeping-v2", settings=SHORT | {"tracker": "truth"})
+    env = env_of("seamark/StationKeeping-v3", settings=SHORT | {"tracker": "truth"})
 
     _, first = env.reset(seed=3)
     _, other = env.reset(seed=4)
@@ -81,7 +81,7 @@ def test_a_seed_gives_the_same_water_and_another_seed_another_one() -> None:
 
 
 def test_options_choose_trial_and_level() -> None:
-    env = env_of("seamark/StationKeeping-v2", settings=SHORT | {"tracker": "truth"})
+    env = env_of("seamark/StationKeeping-v3", settings=SHORT | {"tracker": "truth"})
 
     _, info = env.reset(seed=3, options={"trial": 7, "level": 1})
 
@@ -112,7 +112,7 @@ def test_thrusters_move_the_vehicle_as_commanded() -> None:
 
 
 def test_the_picture_is_what_the_camera_sees_in_colour() -> None:
-    env = env_of("seamark/StationKeeping-v2", settings=SHORT, render_mode="rgb_array")
+    env = env_of("seamark/StationKeeping-v3", settings=SHORT, render_mode="rgb_array")
     env.reset(seed=1)
 
     before: Any = env.render()

@@ -18,7 +18,7 @@ from seamark.sim.vehicles import load
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.reading import THRUSTERS_MAX
 
-BENCHMARK, SEED = "currents-v2", 3
+BENCHMARK, SEED = "currents-v3", 3
 ALPHA = arm_size(load_linkage("alpha-like"))
 SHORT = {
     "arm": "alpha-like",

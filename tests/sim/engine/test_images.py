@@ -179,9 +179,10 @@ def test_a_run_that_ignores_its_images_has_the_bytes_of_one_without(controller: 
 def test_a_built_in_controller_has_the_images_of_any_other_program(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(registry.CONTROLLERS, "servo", f"{__name__}:Servo")
+    experiment: Any = registry.benchmark(BENCHMARK).load()
+    monkeypatch.setitem(registry.controllers(experiment.task), "servo", f"{__name__}:Servo")
     config = registry.benchmark(BENCHMARK).read(SHORT | {"images": "arm"})
-    built_in = registry.benchmark(BENCHMARK).load().built_in("servo", config)
+    built_in = experiment.built_in("servo", config)
 
     rows, others = run(built_in, images="arm"), run(Outside(), images="arm")
 
