@@ -19,9 +19,9 @@ from performance.tables import markdown_table
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.runs.record.trial_scores import block_of
 from seamark.sim.benchmarks.currents_v3.azimuths import QUARTER, STRATA, STRIDE
-from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.statistics import mean_interval
+from seamark.sim.settings.two_vehicles import MEASURED
 
 # The boards of the third table: one row is a fifth better than the others. Score and standard
 # deviation of LQG's blocks: of 24 in docs/headroom.json, of 15 with the seeds 777 and 2026.
@@ -66,7 +66,7 @@ def _vehicles(generator: np.random.Generator, runs: int, trials: int) -> Array:
 def _sectors(generator: np.random.Generator, runs: int, trials: int) -> Array:
     """Two vehicles in directions as those of currents-v3, to which one is more sensitive."""
     trial = np.arange(trials)
-    turn, vehicle = trial // len(ALTERNATING), trial % len(ALTERNATING)
+    turn, vehicle = trial // len(MEASURED), trial % len(MEASURED)
     first = generator.integers(STRATA, size=(runs, 1))
     sector = first + STRIDE * turn + QUARTER * vehicle + generator.random((runs, trials))
     effect = np.array([0.08, 0.04])[vehicle] * np.cos(4.0 * np.pi * sector / STRATA)

@@ -14,7 +14,7 @@ from seamark.sim.engine.level_current import level_current, level_stretch, site_
 from seamark.sim.engine.program import BuiltIn, Program
 from seamark.sim.engine.route_in_loop import Course
 from seamark.sim.engine.team import Team
-from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions, draw_conditions
 from seamark.sim.engine.world import (
     Conditions,
     Craft,
@@ -30,6 +30,8 @@ from seamark.sim.multibody.workpiece import Workpiece
 from seamark.sim.numerics.random_streams import Streams, streams
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.settings.current_levels import CurrentLevels
+from seamark.sim.settings.trial_spreads import TrialSpreadSettings
+from seamark.sim.vehicles import load
 
 Settings = TypeVar("Settings", bound=CurrentLevels)
 
@@ -53,8 +55,16 @@ class InCurrent(Generic[Settings]):
         return {"role": "controller"} | packed
 
     def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
-        """Return the conditions of a trial: nominal, unless overridden."""
-        return NOMINAL
+        """Return the conditions of a trial: nominal if the settings have nothing to spread."""
+        own = config.for_trial(trial)
+        if not isinstance(own, TrialSpreadSettings):
+            return NOMINAL
+        return draw_conditions(
+            own,
+            streams(seed, trial, 0),
+            thrusters=len(load(own.vehicle).thrusters),
+            levels=len(own.level_values()),
+        )
 
     def plan(self, config: Settings, *, seed: int, trial: int) -> TrialPlan:
         """Return that the levels run as listed."""

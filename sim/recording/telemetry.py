@@ -135,16 +135,23 @@ WORK_COLUMNS: tuple[Column, ...] = (
     Column("work_push_n", "N", "magnitude of the net contact force of the arm on it, mean as well"),
     *_vector("work_fx work_fy work_fz", "N", "this net force, world frame"),
 )
-SEARCH_COLUMNS: tuple[Column, ...] = (
+# Of a detector that looks for the target of a tracker.
+_LOOKING = (
     Column("searching", "", "1 while no target is being tracked, so that a detector looks for one"),
     Column("looked", "", "1 if a detector was given the image of this row"),
-    Column("confidence", "", "of the last answer on the target that is tracked, or 0; 0 to 1"),
+)
+_FOUND = (
     *_vector(
         "found_x0 found_y0 found_x1 found_y1 found_x2 found_y2 found_x3 found_y3",
         "px",
         "corners of the most confident answer to this image; nan if there is none",
     ),
     Column("found_confidence", "", "its confidence, 0 to 1; nan if there is none"),
+)
+SEARCH_COLUMNS: tuple[Column, ...] = (
+    *_LOOKING,
+    Column("confidence", "", "of the last answer on the target that is tracked, or 0; 0 to 1"),
+    *_FOUND,
     *_vector("decoy_x decoy_y decoy_z", "m", "position of the wrong thing's origin, world frame"),
     *_vector("decoy_roll decoy_pitch decoy_yaw", "rad", "its attitude"),
     *_vector("decoy_u decoy_v decoy_w", "m/s", "its velocity over ground in its axes"),
@@ -192,14 +199,8 @@ DOCK_COLUMNS: tuple[Column, ...] = (
     Column("dock_range", "m", "measured distance of the dock from the vehicle"),
     *_vector("dock_bearing dock_elevation", "rad", "measured direction, from north and downwards"),
     *_vector("light_x light_y", "px", "the dock's lamps in the image; nan where they are not seen"),
-    Column("searching", "", "1 while no target is being tracked, so that a detector looks for one"),
-    Column("looked", "", "1 if a detector was given the image of this row"),
-    *_vector(
-        "found_x0 found_y0 found_x1 found_y1 found_x2 found_y2 found_x3 found_y3",
-        "px",
-        "corners of the most confident answer to this image; nan if there is none",
-    ),
-    Column("found_confidence", "", "its confidence, 0 to 1; nan if there is none"),
+    *_LOOKING,
+    *_FOUND,
 )
 _CORNERS = "x0 y0 x1 y1 x2 y2 x3 y3"
 OBJECT_COLUMNS: tuple[Column, ...] = (

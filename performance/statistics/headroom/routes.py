@@ -19,9 +19,9 @@ from performance.statistics.headroom.over_current import (
     in_turn,
     of_parts,
 )
-from seamark.sim.benchmarks.track_v1.settings import ALTERNATING
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.route import KINDS
+from seamark.sim.settings.two_vehicles import MEASURED
 
 NAME = "track-v1"
 
@@ -29,9 +29,7 @@ NAME = "track-v1"
 def _of_kind(kind: int) -> Callable[[Scores], Scores]:
     """Return the trials of a kind of route, which are followed by all vehicles in turn."""
     return lambda scores: [
-        score
-        for trial, score in enumerate(scores)
-        if trial // len(ALTERNATING) % len(KINDS) == kind
+        score for trial, score in enumerate(scores) if trial // len(MEASURED) % len(KINDS) == kind
     ]
 
 

@@ -10,16 +10,13 @@ from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping, le
 from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.tool_error import tool_errors
-from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.engine.world import target_and_optics
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import Absent, LevelMetric, compute_all, over_run
 from seamark.sim.metrics.station_keeping import overall
 from seamark.sim.metrics.tool_point import CIRCLES_M, NEAR, ToolWindow
-from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import Rows
-from seamark.sim.vehicles import load
 
 WEAK_LEVELS = 2  # number of weakest currents that a controller must hold to rank
 # Time near the point in the mean of these levels. Measured over 24 trials: P at least 95 %, PI and
@@ -33,16 +30,6 @@ NOT_HELD = (
 
 class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
     """Station keeping in which every trial draws its conditions."""
-
-    def drawn(self, config: CurrentsConfiguration, *, seed: int, trial: int) -> TrialConditions:
-        """Return the conditions of a trial."""
-        config = config.for_trial(trial)
-        return draw_conditions(
-            config,
-            streams(seed, trial, 0),
-            thrusters=len(load(config.vehicle).thrusters),
-            levels=len(config.level_values()),
-        )
 
     def plan(self, config: CurrentsConfiguration, *, seed: int, trial: int) -> TrialPlan:
         """Return the order of a trial's levels and all that was drawn for it."""

@@ -3,20 +3,16 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from typing import Self
-
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.station_keeping import overall
 from seamark.sim.settings.arm import ArmSettings
 from seamark.sim.settings.custom_score import custom_score_setting
-from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.setting import override
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.settings.tracker import RobustTrackerSettings
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
-from seamark.sim.vehicles import load
+from seamark.sim.settings.two_vehicles import TwoVehicles, two_vehicles_setting
 
-BOTH = "both"
 ALTERNATING = ("girona500", "bluerov2-heavy")  # in even, in odd trials
 SINGLE = (*ALTERNATING, "bluerov2-heavy-v2")  # in all trials of a practice run
 
@@ -24,18 +20,13 @@ INHERITED = StationKeepingSettings.model_fields
 
 
 class CurrentsConfiguration(
-    RobustTrackerSettings, ArmSettings, StationKeepingSettings, TrialSpreadSettings
+    RobustTrackerSettings, ArmSettings, StationKeepingSettings, TrialSpreadSettings, TwoVehicles
 ):
     """Settings of currents-v2. Seed, trials and controller are not part of it."""
 
-    vehicle: str = experiment_setting(
-        BOTH,
-        title="Vehicle",
-        help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
-        "defaults.",
-        choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
-        | {name: load(name).title for name in SINGLE},
-    )
+    alternating = ALTERNATING
+
+    vehicle: str = two_vehicles_setting(SINGLE)
     levels: tuple[float, ...] = override(
         INHERITED["levels"],
         (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
@@ -59,14 +50,3 @@ class CurrentsConfiguration(
         source="a quarter of a level",
     )
     score: str = custom_score_setting((*overall(), *tool_point.METRICS), group="Experiment")
-
-    def vehicles(self) -> tuple[str, ...]:
-        """Return the vehicles that take turns from trial to trial."""
-        return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
-
-    def for_trial(self, trial: int) -> Self:
-        """Return the configuration of one trial, with its vehicle and that vehicle's defaults."""
-        if self.vehicle != BOTH:
-            return self
-        name = ALTERNATING[trial % len(ALTERNATING)]
-        return self.model_copy(update={"vehicle": name, **load(name).defaults})

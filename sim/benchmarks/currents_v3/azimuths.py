@@ -10,7 +10,7 @@ each trial draws its direction within its stratum: so every trial alone has any 
 
 import numpy as np
 
-from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING
+from seamark.sim.settings.two_vehicles import MEASURED
 
 STRATA = 12  # of the circle
 STRIDE = 5  # strata from one trial of a vehicle to the next: prime to STRATA
@@ -21,7 +21,7 @@ KEY = 27  # of the random numbers, beside the trial; part of what a seed gives: 
 def azimuth_share(seed: int, trial: int) -> float:
     """Return the direction of a trial as a share of the circle, from -1 (included) to 1."""
     first, within = int(STRATA * _drawn(seed, 0)[0]), _drawn(seed, trial)[1]
-    turn, vehicle = divmod(trial, len(ALTERNATING))
+    turn, vehicle = divmod(trial, len(MEASURED))
     stratum = (first + STRIDE * turn + QUARTER * vehicle) % STRATA
     return 2.0 * (stratum + within) / STRATA - 1.0
 

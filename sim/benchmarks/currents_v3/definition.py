@@ -6,8 +6,9 @@ from pkgutil import resolve_name
 from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol, StartingPoint
 from seamark.sim.benchmarks.currents_v2.definition import BENCHMARK as BEFORE
 from seamark.sim.benchmarks.currents_v3.azimuths import STRATA
-from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING, CurrentsConfiguration
+from seamark.sim.benchmarks.currents_v3.settings import CurrentsConfiguration
 from seamark.sim.registry import controllers
+from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load
 
 TASK = "tool"
@@ -30,7 +31,7 @@ BENCHMARK = replace(
         "into-current": Baseline("Bow into the current", "into-current"),
         "oracle": Baseline("Reference: knows the truth, limited by thrust", "oracle"),
     },
-    presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
+    presets={"vehicle": {name: load(name).defaults for name in MEASURED}},
     starting_points={
         **BEFORE.starting_points,
         "bluerov2": StartingPoint(
@@ -44,8 +45,8 @@ BENCHMARK = replace(
     # block: both vehicles; all fresh trials share a seed, which divides the directions among them.
     protocol=RankedProtocol(
         reference_trials=8,
-        fresh_trials=STRATA * len(ALTERNATING),
-        block=len(ALTERNATING),
+        fresh_trials=STRATA * len(MEASURED),
+        block=len(MEASURED),
         shared_seed=True,
     ),
 )

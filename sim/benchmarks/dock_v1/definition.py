@@ -9,7 +9,7 @@ from seamark.sim.benchmarks.benchmark import (
     StartingPoint,
     Table,
 )
-from seamark.sim.benchmarks.dock_v1.settings import ALTERNATING, DockConfiguration
+from seamark.sim.benchmarks.dock_v1.settings import DockConfiguration
 from seamark.sim.metrics import docking
 from seamark.sim.metrics.energy import ENERGY
 from seamark.sim.metrics.metric import Metric
@@ -18,6 +18,7 @@ from seamark.sim.settings.docking import ANSWERS
 from seamark.sim.settings.docking import GROUP as DOCK
 from seamark.sim.settings.sonar import GROUP as SONAR
 from seamark.sim.settings.trial_spreads import GROUP as SPREADS
+from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load, most_thrusters
 
 CHARTS = (
@@ -81,7 +82,7 @@ BENCHMARK = Benchmark(
         *("Current", "Water and camera", "Station keeper", "Velocity controller", "Sensors"),
         *(SONAR, "Faults", SPREADS),
     ),
-    presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
+    presets={"vehicle": {name: load(name).defaults for name in MEASURED}},
     quick_settings={"levels": [0.1], "level_duration_s": 4.0},
     starting_points={
         "still-water": StartingPoint(

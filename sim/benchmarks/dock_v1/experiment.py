@@ -13,7 +13,6 @@ from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.dock_in_loop import Dock, Light
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
-from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.engine.world import Conditions, target_and_optics
 from seamark.sim.metrics.docking import METRICS, STRIKE_M_S, Docking
 from seamark.sim.metrics.metric import compute_all, over_run
@@ -40,16 +39,6 @@ class EnterDock(InCurrent[DockConfiguration]):
     """A `seamark.sim.engine.experiment.Experiment` that compares programs that enter a dock."""
 
     task = "dock"
-
-    def drawn(self, config: DockConfiguration, *, seed: int, trial: int) -> TrialConditions:
-        """Return the conditions of a trial."""
-        config = config.for_trial(trial)
-        return draw_conditions(
-            config,
-            streams(seed, trial, 0),
-            thrusters=len(load(config.vehicle).thrusters),
-            levels=len(config.level_values()),
-        )
 
     def plan(self, config: DockConfiguration, *, seed: int, trial: int) -> TrialPlan:
         """Return the order of a trial's levels and all that was drawn for it."""

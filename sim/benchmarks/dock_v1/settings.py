@@ -3,7 +3,7 @@
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from typing import Any, Self
+from typing import Any
 
 from seamark.sim.metrics.docking import METRICS
 from seamark.sim.settings.current_levels import CurrentLevels
@@ -15,10 +15,9 @@ from seamark.sim.settings.sonar import SonarSettings
 from seamark.sim.settings.targets import TargetShape
 from seamark.sim.settings.tracker import RobustTrackerSettings
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
+from seamark.sim.settings.two_vehicles import TwoVehicles, two_vehicles_setting
 from seamark.sim.vehicles import Vehicle, load
 
-BOTH = "both"
-ALTERNATING = ("girona500", "bluerov2-heavy-v2")  # in even, in odd trials
 MARKER = TargetShape("Lettered marker of the dock", 0.3, 0.2, 0.1, True)  # below its middle
 RAILS_M = 0.75  # E: what the keel rests on, above the seabed: the camera still sees the marker
 _SCENE = TrialSpreadSettings.model_fields
@@ -30,18 +29,16 @@ def keel_m(vehicle: Vehicle) -> float:
 
 
 class DockConfiguration(
-    RobustTrackerSettings, DockSettings, CurrentLevels, TrialSpreadSettings, SonarSettings
+    RobustTrackerSettings,
+    DockSettings,
+    CurrentLevels,
+    TrialSpreadSettings,
+    SonarSettings,
+    TwoVehicles,
 ):
     """Settings of dock-v1. Seed, trials and controller are not part of it."""
 
-    vehicle: str = experiment_setting(
-        BOTH,
-        title="Vehicle",
-        help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
-        "defaults and a dock of its size.",
-        choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
-        | {name: load(name).title for name in ALTERNATING},
-    )
+    vehicle: str = two_vehicles_setting(own="its own defaults and a dock of its size")
     levels: tuple[float, ...] = experiment_setting(
         (0.0, 0.2, 0.4, 0.6, 0.8),
         title="Current levels",
@@ -85,29 +82,17 @@ class DockConfiguration(
 
     unused_groups = frozenset({"Tracker start"})
 
-    def vehicles(self) -> tuple[str, ...]:
-        """Return the vehicles that take turns from trial to trial."""
-        return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
-
     def target_shape(self) -> TargetShape:
         """Return the marker on the seabed, below the middle of the dock."""
         return MARKER
 
     def camera_mount_m(self) -> tuple[float, float, float]:
         """Return where the camera is on the body [m]: below its origin, level with the keel."""
-        name = ALTERNATING[0] if self.vehicle == BOTH else self.vehicle
-        return 0.0, 0.0, keel_m(load(name))
+        return 0.0, 0.0, keel_m(load(self.vehicles()[0]))
 
     def base_levels(self) -> tuple[float, ...]:
         """Return the mean speeds [m/s] without a grid."""
         return self.levels
-
-    def for_trial(self, trial: int) -> Self:
-        """Return the configuration of one trial, with its vehicle and that one's defaults."""
-        if self.vehicle != BOTH:
-            return self
-        name = ALTERNATING[trial % len(ALTERNATING)]
-        return self.model_copy(update={"vehicle": name, **load(name).defaults})
 
     def for_program(self) -> dict[str, Any]:
         """Return the settings that a program is given, and what it knows of dock and camera."""

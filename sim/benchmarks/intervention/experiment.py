@@ -10,13 +10,11 @@ from seamark.sim.benchmarks.in_current import InCurrent
 from seamark.sim.benchmarks.level_area import area_over_current, held_up_to
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
-from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.metrics.attempts import StagedAttempt
 from seamark.sim.metrics.metric import LevelMetric, compute_all, over_run
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.recording.telemetry import ARM_JOINTS, Rows
 from seamark.sim.settings.intervention import InterventionSettings
-from seamark.sim.vehicles import load
 
 Settings = TypeVar("Settings", bound=InterventionSettings)
 DONE_CREDIT = 0.999  # from which an attempt counts as done
@@ -81,15 +79,6 @@ class Intervention(InCurrent[Settings], Generic[Settings]):
             encoder_bias_rad=tuple(
                 config.encoder_bias_rad * one for one in joints[: len(config.the_arm().motors())]
             ),
-        )
-
-    def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
-        """Return the conditions of a trial."""
-        return draw_conditions(
-            config,
-            streams(seed, trial, 0),
-            thrusters=len(load(config.vehicle).thrusters),
-            levels=len(config.level_values()),
         )
 
     def plan(self, config: Settings, *, seed: int, trial: int) -> TrialPlan:

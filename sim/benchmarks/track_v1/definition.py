@@ -8,7 +8,7 @@ from seamark.sim.benchmarks.benchmark import (
     StartingPoint,
     Table,
 )
-from seamark.sim.benchmarks.track_v1.settings import ALTERNATING, TrackConfiguration
+from seamark.sim.benchmarks.track_v1.settings import TrackConfiguration
 from seamark.sim.metrics import following
 from seamark.sim.metrics.energy import ENERGY, POWER
 from seamark.sim.metrics.metric import Metric
@@ -18,6 +18,7 @@ from seamark.sim.settings.route import GROUP as ROUTE
 from seamark.sim.settings.sonar import FORWARD
 from seamark.sim.settings.sonar import GROUP as SONAR
 from seamark.sim.settings.trial_spreads import GROUP as SPREADS
+from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load, most_thrusters
 
 CHARTS = (
@@ -96,7 +97,7 @@ BENCHMARK = Benchmark(
         ),
         *("Sensors", SONAR, "Faults", SPREADS),
     ),
-    presets={"vehicle": {name: load(name).defaults for name in ALTERNATING}},
+    presets={"vehicle": {name: load(name).defaults for name in MEASURED}},
     quick_settings={"levels": [0.2], "level_duration_s": 4.0},
     starting_points={
         "still-water": StartingPoint(

@@ -15,7 +15,6 @@ from seamark.sim.camera.water import Water
 from seamark.sim.control.observation import PIPE
 from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.route_in_loop import Course
-from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.engine.world import target_and_optics
 from seamark.sim.metrics.following import METRICS, Following
 from seamark.sim.metrics.metric import compute_all, over_run
@@ -44,16 +43,6 @@ class FollowRoute(InCurrent[TrackConfiguration]):
     """A `seamark.sim.engine.experiment.Experiment` that compares programs that follow a route."""
 
     task = "track"
-
-    def drawn(self, config: TrackConfiguration, *, seed: int, trial: int) -> TrialConditions:
-        """Return the conditions of a trial."""
-        config = config.for_trial(trial)
-        return draw_conditions(
-            config,
-            streams(seed, trial, 0),
-            thrusters=len(load(config.vehicle).thrusters),
-            levels=len(config.level_values()),
-        )
 
     def plan(self, config: TrackConfiguration, *, seed: int, trial: int) -> TrialPlan:
         """Return the order of a trial's levels and all that was drawn for it."""

@@ -15,10 +15,8 @@ from seamark.sim.settings.setting import override, setting
 from seamark.sim.settings.sonar import SonarSettings
 from seamark.sim.settings.targets import TargetShape
 from seamark.sim.settings.trial_spreads import TrialSpreadSettings
-from seamark.sim.vehicles import load
+from seamark.sim.settings.two_vehicles import TwoVehicles, two_vehicles_setting
 
-BOTH = "both"
-ALTERNATING = ("girona500", "bluerov2-heavy-v2")  # in even, in odd trials
 MARK = TargetShape("Concrete weight", 1.0, 0.6, 0.4, True)  # on the bottom, below the start
 PIPE_RADIUS_M = 0.2  # E: half of a trunk line of 16 inches
 # The piece of a pipe below the start; images show the pipe instead.
@@ -27,19 +25,14 @@ SEABED_M = 20.0  # [m] depth, E: inshore
 _SCENE = TrialSpreadSettings.model_fields
 
 
-class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, SonarSettings):
+class TrackConfiguration(
+    RouteSettings, CurrentLevels, TrialSpreadSettings, SonarSettings, TwoVehicles
+):
     """Settings of track-v1. Seed, trials and controller are not part of it."""
 
     unused_groups = frozenset({"Tracker", "Station keeper", "Water and camera"})
 
-    vehicle: str = experiment_setting(
-        BOTH,
-        title="Vehicle",
-        help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
-        "defaults.",
-        choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
-        | {name: load(name).title for name in ALTERNATING},
-    )
+    vehicle: str = two_vehicles_setting()
     levels: tuple[float, ...] = experiment_setting(
         (0.0, 0.2, 0.4, 0.6, 0.8),
         title="Current levels",
@@ -119,10 +112,6 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
     )
     score: str = custom_score_setting(METRICS, group="Experiment")
 
-    def vehicles(self) -> tuple[str, ...]:
-        """Return the vehicles that take turns from trial to trial."""
-        return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
-
     def target_shape(self) -> TargetShape:
         """Return the weight on the bottom, below the start, or what of a pipe is there."""
         return PIPE_MARK if self.route == PIPE else MARK
@@ -133,13 +122,10 @@ class TrackConfiguration(RouteSettings, CurrentLevels, TrialSpreadSettings, Sona
 
     def for_trial(self, trial: int) -> Self:
         """Return the configuration of one trial, with its vehicle and its kind of route."""
-        vehicles = self.vehicles()
-        name = vehicles[trial % len(vehicles)]
-        defaults = load(name).defaults if self.vehicle == BOTH else {}
         kind = self.route_kind(trial)
         # From where it is to be followed.
         height = {"altitude_m": self.pipe_height_m} if kind == PIPE else {}
-        return self.model_copy(update={"vehicle": name, "route": kind, **defaults, **height})
+        return super().for_trial(trial).model_copy(update={"route": kind, **height})
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""

@@ -9,9 +9,10 @@ from seamark.server.runs.record.seeds import TrialSeeds
 from seamark.sim.benchmarks.currents_v3.azimuths import STRATA, azimuth_share
 from seamark.sim.benchmarks.currents_v3.definition import BENCHMARK
 from seamark.sim.benchmarks.currents_v3.experiment import EXPERIMENT
-from seamark.sim.benchmarks.currents_v3.settings import ALTERNATING, CurrentsConfiguration
+from seamark.sim.benchmarks.currents_v3.settings import CurrentsConfiguration
+from seamark.sim.settings.two_vehicles import MEASURED
 
-VEHICLES = len(ALTERNATING)
+VEHICLES = len(MEASURED)
 SEEDS = range(40)
 
 

@@ -14,7 +14,7 @@ from seamark.sim.benchmarks.dock_v1.scene import (
     keel_of,
     seat,
 )
-from seamark.sim.benchmarks.dock_v1.settings import ALTERNATING, RAILS_M, DockConfiguration
+from seamark.sim.benchmarks.dock_v1.settings import RAILS_M, DockConfiguration
 from seamark.sim.benchmarks.intervention.box import BoxDraw, workpiece
 from seamark.sim.detectors.faces.detector import OutlineDetector
 from seamark.sim.multibody.assembly import standing_shapes
@@ -24,11 +24,12 @@ from seamark.sim.physics.contact import Contact
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import Bottom
+from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load
 
 HEADING = 0.6
 CONFIG = DockConfiguration.read({"levels": [0.0]})
-VEHICLES = pytest.mark.parametrize("name", ALTERNATING)
+VEHICLES = pytest.mark.parametrize("name", MEASURED)
 
 
 def plant_at(name: str, offset: tuple[float, float, float], turn: float = 0.0) -> Plant:
@@ -121,7 +122,7 @@ def test_the_camera_of_a_docked_vehicle_is_above_the_middle_of_the_upright_marke
 def test_the_marker_that_cameras_see_is_where_its_corners_are_said_to_be() -> None:
     camera = EXPERIMENT.camera(CONFIG, seed=4, trial=1, level=0)
     heading = EXPERIMENT.heading(CONFIG, seed=4, trial=1)
-    pose = np.array([*seat(load(ALTERNATING[1])), 0.0, 0.0, heading + 0.4])
+    pose = np.array([*seat(load(MEASURED[1])), 0.0, 0.0, heading + 0.4])
     pose[2] -= 0.9
 
     (best, *_others) = OutlineDetector().detect(camera.grey(pose, 0))

@@ -2,9 +2,10 @@
 
 import pytest
 
-from seamark.sim.benchmarks.dock_v1.settings import ALTERNATING, keel_m
+from seamark.sim.benchmarks.dock_v1.settings import keel_m
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.refusal import ConfigurationInvalid
+from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load
 
 ENTRY = benchmark("dock-v1")
@@ -45,7 +46,7 @@ def test_a_program_is_told_the_dock_and_its_camera_but_neither_current_nor_start
 ) -> None:
     told = ENTRY.read({}).for_trial(trial).for_program()
 
-    vehicle = load(ALTERNATING[trial])
+    vehicle = load(MEASURED[trial])
     assert told["camera_mount_m"] == (0.0, 0.0, keel_m(vehicle))
     assert told["rails_m"] == 0.75
     assert told["marker_m"] == (0.3, 0.2, 0.1)
