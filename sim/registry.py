@@ -55,6 +55,7 @@ def _files(folder: str) -> dict[str, Path]:
 
 VEHICLES = _vehicles()
 ARMS, THINGS = _files("arms"), _files("things")
+TOOL = "tool"  # the task of a tool before a target, for all that keep station and some more
 CONTROLLERS = {
     "pi": "seamark.sim.control.position.pi:Controller",
     "p": "seamark.sim.control.position.p:Controller",
@@ -71,12 +72,9 @@ REFERENCE_CONTROLLERS = {
     "blind": "seamark.sim.control.position.blind:Controller",
     "oracle": "seamark.sim.control.position.oracle:Controller",
 }
-# For tasks other than to keep station, most of them with an arm; marks on the leaderboards last.
+# For other tasks, most of them with an arm; marks on the leaderboards last.
 TASK_CONTROLLERS = {
-    "tool": {
-        **CONTROLLERS,
-        "into-current": "seamark.sim.control.position.into_current:Controller",
-    },
+    TOOL: {"into-current": "seamark.sim.control.position.into_current:Controller"},
     "track": {
         "ilos": "seamark.sim.control.track.guidance:IntegralLineOfSight",
         "los": "seamark.sim.control.track.guidance:LineOfSight",
@@ -108,7 +106,7 @@ TASK_CONTROLLERS = {
     },
 }
 REFERENCE_TASK_CONTROLLERS = {
-    "tool": REFERENCE_CONTROLLERS,
+    TOOL: {},
     "track": {
         "nothing": "seamark.sim.control.position.nothing:Controller",
         "blind": "seamark.sim.control.track.guidance:Blind",
@@ -186,12 +184,19 @@ def benchmark(name: str) -> "Benchmark":
 
 def controllers(task: str) -> dict[str, str]:
     """Return name -> path of what users can choose for a task; "": to keep station."""
-    return TASK_CONTROLLERS[task] if task else CONTROLLERS
+    return _of_task(task, CONTROLLERS, TASK_CONTROLLERS)
 
 
 def reference_controllers(task: str) -> dict[str, str]:
     """Return name -> path of what only marks on a leaderboard use, some of which see the truth."""
-    return REFERENCE_TASK_CONTROLLERS[task] if task else REFERENCE_CONTROLLERS
+    return _of_task(task, REFERENCE_CONTROLLERS, REFERENCE_TASK_CONTROLLERS)
+
+
+def _of_task(
+    task: str, stations: dict[str, str], others: dict[str, dict[str, str]]
+) -> dict[str, str]:
+    own = others[task] if task else {}
+    return stations | own if task in ("", TOOL) else own
 
 
 def controller_path(name: str, task: str = "") -> str:

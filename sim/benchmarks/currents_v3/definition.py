@@ -7,11 +7,10 @@ from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol, StartingP
 from seamark.sim.benchmarks.currents_v2.definition import BENCHMARK as BEFORE
 from seamark.sim.benchmarks.currents_v3.azimuths import STRATA
 from seamark.sim.benchmarks.currents_v3.settings import CurrentsConfiguration
-from seamark.sim.registry import controllers
+from seamark.sim.registry import TOOL, controllers
 from seamark.sim.settings.two_vehicles import MEASURED
 from seamark.sim.vehicles import load
 
-TASK = "tool"
 # Of those of currents-v2, but for neighbours that few trials tell apart.
 MARKS = ("nothing", "blind", "p", "pi", "pid", "lqr")
 
@@ -25,7 +24,7 @@ BENCHMARK = replace(
         "two vehicles that are not quite as their data sheets say."
     ),
     configuration=CurrentsConfiguration,
-    built_in={name: resolve_name(path).label for name, path in controllers(TASK).items()},
+    built_in={name: resolve_name(path).label for name, path in controllers(TOOL).items()},
     baselines={
         **{name: BEFORE.baselines[name] for name in MARKS},
         "into-current": Baseline("Bow into the current", "into-current"),

@@ -6,12 +6,13 @@ from seamark.sim.benchmarks.currents_v2.experiment import UnknownCurrents
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.currents_v3.azimuths import azimuth_share
 from seamark.sim.engine.trial_conditions import TrialConditions
+from seamark.sim.registry import TOOL
 
 
 class SpreadCurrents(UnknownCurrents):
     """Station keeping in which the trials of a run divide the directions among themselves."""
 
-    task = "tool"
+    task = TOOL
 
     def drawn(self, config: CurrentsConfiguration, *, seed: int, trial: int) -> TrialConditions:
         """Return the conditions of a trial; only the direction depends on the other trials."""

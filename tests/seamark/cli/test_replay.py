@@ -100,7 +100,7 @@ def test_a_log_that_cannot_be_measured_is_wrong_usage(tmp_path: Path) -> None:
 
     assert answer.exit_code == unknown.exit_code == 2
     assert "log.csv: Line 3: x is missing or nan." in answer.output
-    assert "measured by currents-v2 or currents-v1" in unknown.output
+    assert "measured by currents-v3 or currents-v2 or currents-v1" in unknown.output
 
 
 @pytest.mark.parametrize("kind", list(FORMATS))
