@@ -10,12 +10,16 @@ from seamark.worker.evaluation.local import Callbacks, evaluate_connected, evalu
 from seamark.worker.ipc.outcomes import RunOutcome
 
 BENCHMARK, SEED = "currents-v1", 7
+PATIENCE_S = 240.0  # a simulator may have to be compiled first, on a busy machine
 SHORT = {"levels": [0.1, 0.3], "level_duration_s": 2, "settle_s": 1, "tracker": "truth"}
 
 
 def configuration(benchmark: str = BENCHMARK, **settings: Any) -> dict[str, Any]:
     """Return a short configuration as a document."""
-    return registry.benchmark(benchmark).read(SHORT | settings).model_dump(mode="json")
+    entry = registry.benchmark(benchmark)
+    known = SHORT.keys() & entry.configuration.settings().keys()
+    short = {name: SHORT[name] for name in known}
+    return entry.read(short | settings).model_dump(mode="json")
 
 
 def built_in(name: str, **settings: Any) -> RunOutcome:
@@ -45,6 +49,6 @@ class Running:
 
     def outcome(self) -> RunOutcome:
         """Wait for the end of the run."""
-        outcome = self._outcome.result(timeout=60)
+        outcome = self._outcome.result(timeout=PATIENCE_S)
         self._pool.shutdown()
         return outcome

@@ -56,6 +56,10 @@ end
 }
 
 
+# The same source is a program of both; an executable is built as its author would.
+PROGRAMS["controller.cpp"] = PROGRAMS["controller.c"]
+
+
 @cache
 def in_python(isolation: IsolationLevel) -> RunOutcome:
     return run("controller.py", isolation)

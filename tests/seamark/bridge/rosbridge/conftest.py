@@ -14,9 +14,7 @@ from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
 from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.sim.camera.optics import CURRENTS
 from seamark.sim.vehicles.linkage_reading import load_linkage
-from tests.seamark.bridge.conftest import Running
-
-PATIENCE_S = 240.0  # a simulator may have to be compiled first, on a busy machine
+from tests.seamark.bridge.conftest import PATIENCE_S, Running
 
 
 class Client:

@@ -12,6 +12,7 @@ from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.protocol import Publish, Refused, read, read_reference
 from seamark.bridge.rosbridge.server import MOST_CLIENTS
 from seamark.bridge.rosbridge.topics import REFERENCES, TOPICS
+from seamark.sim.control.observation import SONAR
 from tests.seamark.bridge.rosbridge.conftest import WITH_ARM, Open
 
 REFUSED: list[tuple[str | bytes, str]] = [
@@ -133,7 +134,10 @@ def test_the_type_of_a_subscription_chooses_the_version_of_ros(
     running = bridged.start(**WITH_ARM, images="both")
     client = bridged.client()
 
-    for name, topic in TOPICS.items():
+    heard = {name: topic for name, topic in TOPICS.items() if topic.camera != SONAR}
+    assert len(heard) == len(TOPICS) - 2
+
+    for name, topic in heard.items():
         client.subscribe(name.removeprefix("/"), f"{topic.package}{separator}{topic.kind}")
         message = client.receive(op="publish")
         assert message["topic"] == name.removeprefix("/")  # as the client wrote it
