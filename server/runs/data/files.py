@@ -14,6 +14,7 @@ import os
 import secrets
 import shutil
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -79,7 +80,11 @@ class RunFiles:
             "dock": telemetry.DOCK_COLUMNS,
             "detections": telemetry.DETECTION_COLUMNS,
         }
-        has = {name: group[0].name in written for name, group in optional.items()}
+        every = Counter(column.name for group in optional.values() for column in group)
+        has = {
+            name: next(one.name for one in group if every[one.name] == 1) in written
+            for name, group in optional.items()
+        }
         width = telemetry.width_for(thrusters, **has)
         return telemetry.names(width)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.runs.data import files
 from seamark.server.runs.data.files import HEAD_MAX, TAIL_MAX, RunFiles, StorageFailed
-from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX, WIDTH, names, width_for
 from tests.services.full_disk import files_end_at
 
 
@@ -62,6 +62,27 @@ def test_rows_of_a_vehicle_with_more_thrusters_keep_all_of_them(tmp_path: Path) 
     files = RunFiles(tmp_path, 7)
 
     assert files.columns[-3:] == ("thrust_8", "thrust_9", "thrust_10")
+    assert np.array_equal(files.rows(), rows)
+
+
+@pytest.mark.parametrize(
+    "kinds",
+    [
+        *((), ("detections",), ("route",), ("route", "detections"), ("dock",)),
+        *(("dock", "detections"), ("arm",), ("arm", "work"), ("arm", "work", "search")),
+    ],
+)
+@pytest.mark.parametrize("thrusters", [6, 11])
+def test_rows_of_every_kind_of_run_have_the_columns_they_were_written_with(
+    tmp_path: Path, kinds: tuple[str, ...], thrusters: int
+) -> None:
+    width = width_for(thrusters, **dict.fromkeys(kinds, True))
+    rows = np.arange(2.0 * width).reshape(2, width)
+    RunFiles(tmp_path, 7, 1).append_rows(rows)
+
+    files = RunFiles(tmp_path, 7)
+
+    assert files.columns == names(width)
     assert np.array_equal(files.rows(), rows)
 
 
