@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-KINDS = {"searching": "search", "route_x": "route"}  # by a column that only its runs have
+KINDS = {"decoy_x": "search", "route_x": "route"}  # by a column that only its runs have
 
 
 def map_of(columns: Collection[str]) -> str | None:

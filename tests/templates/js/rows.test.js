@@ -48,6 +48,13 @@ test("where the workpiece has to be found, all columns of the map of the search 
   assert.deepEqual(new Set(read), new Set([...TRACK_COLUMNS, "decoy_yaw"]));
 });
 
+test("of a dock, its seat and the search for it are read, and no map", () => {
+  const shown = ["dock_ahead", "dock_side", "dock_below", "searching"];
+  const columns = ["dock_x", ...shown, "dock_depth", "found_x0", "found_confidence"];
+
+  assert.deepEqual(rowColumns(columns.map((name) => ({ name }))), shown);
+});
+
 test("of a workpiece, those columns are read that move it and its arrow", () => {
   const shown = ["workpiece_z", "workpiece_yaw", "workpiece_joint", "tool_x", "work_arm_n", "work_fx"];
   const columns = [...shown, "workpiece_u", "workpiece_joint_speed", "tool_yaw", "work_rest_n"];

@@ -14,6 +14,14 @@ function detector({ searching, confidence }) {
   return searching === 1 ? "looks for the box" : number(100 * Number(confidence), 0, "% sure");
 }
 
+/**
+ * How far a vehicle is from where it rests in the dock, or undefined if there is none.
+ * @param {Row} row
+ */
+export function offSeat({ dock_ahead: ahead, dock_side: side, dock_below: below }) {
+  return ahead === undefined ? undefined : Math.hypot(Number(ahead), Number(side), Number(below));
+}
+
 /** @param {Row} row */
 export function along({ route_along: done, route_length: length }) {
   return `${number(done, 1, "m")} of ${number(length, 1, "m")}`;
@@ -32,10 +40,11 @@ export function fix({ fix_age: age, fix_sigma: sigma }) {
 const SHOWN = [
   ["Tool from the grip", "reach", (row) => number(row.reach, 3, "m")],
   ["Push of the arm", "work_push_n", (row) => number(row.work_push_n, 0, "N")],
+  ["Off the seat", "dock_ahead", (row) => number(offSeat(row), 3, "m")],
   ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
   ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
   ["Tracker", "tracker_ok", tracker],
-  ["Detector", "searching", detector],
+  ["Detector", "confidence", detector],
   ["Off the route", "cross_track", (row) => number(row.cross_track, 2, "m")],
   ["Along the route", "route_along", along],
   ["Acoustic fix", "fix_age", fix],
@@ -55,8 +64,8 @@ export class Numbers {
     /** @type {(wanted: string) => boolean} */
     const has = (wanted) => columns.some(({ name }) => name === wanted);
     const known = SHOWN.filter(([, column]) => has(column));
-    // An arm's reach stands for the distance, and a route has no target that a tracker follows.
-    const left = has("reach") ? "distance" : has("cross_track") ? "tracker_ok" : "";
+    // An arm's reach or a dock's seat stands for the distance, and a route has no target that a tracker follows.
+    const left = has("reach") || has("dock_ahead") ? "distance" : has("cross_track") ? "tracker_ok" : "";
     const shown = known.filter(([, column]) => column !== left);
     /** @type {typeof SHOWN} */
     this.shown = stage ? [...shown, ["Stage", "", stage]] : shown;

@@ -14,6 +14,7 @@ const ALWAYS = [
   ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
   ...ROUTE_COLUMNS,
 ];
+const DOCK = /^searching$|^dock_(ahead|side|below)$/;
 const NUMBERED = /^(thrust|joint|touch)_\d+$|^(wrist|work)_f[xyz]$/; // of thrusters and an arm
 const WORK = /^workpiece_(x|y|z|roll|pitch|yaw|joint)$|^tool_[xyz]$|^reach$|^work_(arm|push)_n$/;
 const SEARCH = /^(searching|confidence)$|^decoy_(x|y|z|roll|pitch|yaw)$|^(work|decoy)_(arm|hull|rest)_n$/;
@@ -25,7 +26,12 @@ const SEARCH = /^(searching|confidence)$|^decoy_(x|y|z|roll|pitch|yaw)$|^(work|d
  */
 export function rowColumns(columns) {
   const names = columns.map(({ name }) => name);
-  const kinds = names.includes("searching") ? [NUMBERED, WORK, SEARCH] : [NUMBERED, WORK];
+  const kinds = [
+    NUMBERED,
+    WORK,
+    ...(names.includes("decoy_x") ? [SEARCH] : []),
+    ...(names.includes("dock_x") ? [DOCK] : []),
+  ];
   return names.filter((name) => kinds.some((kind) => kind.test(name)) || ALWAYS.includes(name));
 }
 

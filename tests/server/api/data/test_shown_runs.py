@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from seamark.server.runs.data.files import RunFiles
+from seamark.server.runs.showing.maps import map_of
 from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import Rows
 from tests.server.api.conftest import Site
 
@@ -83,3 +85,10 @@ def test_the_scene_is_given(shown: tuple[Benchmark, str], site: Site) -> None:
     answer = site.call("owner", "GET", f"{run}/scene.json")
 
     assert answer.status_code == 200, answer.text
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_only_a_search_and_a_route_have_a_map(name: str) -> None:
+    columns = telemetry.names(_rows(name).shape[1])
+
+    assert map_of(columns) == {"mission-v1": "search", "track-v1": "route"}.get(name)

@@ -10,6 +10,7 @@
  * @import { Vehicle } from "./vehicle.js"
  */
 import * as THREE from "../../../vendor/three/three.min.js";
+import { offSeat } from "../numbers.js";
 import { Actor } from "./actor.js";
 import { Cameras } from "./cameras.js";
 import { Course } from "./course.js";
@@ -366,9 +367,10 @@ export class SceneView {
     /** @type {(place: Triple) => THREE.Vector3} */
     const place = ([x, y, z]) => new THREE.Vector3(x, y, z).applyMatrix4(TO_SCREEN);
     const row = this.last?.[0]?.row;
-    const distance = this.works[0] ? row?.reach : row?.distance;
+    const docks = row?.dock_ahead !== undefined;
+    const distance = docks ? offSeat(row) : this.works[0] ? row?.reach : row?.distance;
     const away = typeof distance === "number" ? `${distance.toFixed(1)} m` : "";
-    station.name = this.works[0] ? "workpiece" : "station";
+    station.name = docks ? "dock" : this.works[0] ? "workpiece" : "station";
     if (this.aim) station.show(camera, place(this.aim.centre), away);
     else station.hide();
     const route = this.description?.route;
