@@ -27,6 +27,7 @@ class Controller:
         return [0.0, 0.0, 0.0, 0.0]
 """
 CORE = min(os.sched_getaffinity(0))
+FAIR, TRIES = 4.0, 3
 AUTOGROUP = Path("/proc/sys/kernel/sched_autogroup_enabled")
 
 
@@ -45,17 +46,27 @@ def used_beside(layers: Layers, isolation: IsolationLevel) -> float:
     return (after[0] - before[0]) / (after[1] - before[1])
 
 
+def least_beside(layers: Layers, isolation: IsolationLevel) -> float:
+    """Return the least of some tries: a neighbour that a busy host keeps waiting looks starved."""
+    least = used_beside(layers, isolation)
+    for _ in range(TRIES - 1):
+        if least < FAIR:
+            break
+        least = min(least, used_beside(layers, isolation))
+    return least
+
+
 def test_sessions_do_not_multiply_a_boxs_share(isolation) -> None:
     if isolation is not IsolationLevel.STRONG or not cgroup_parents.parent_groups().cpu_shares:
         pytest.skip("needs control groups with the cpu controller")
     layers = replace(Layers.of(isolation), seccomp=False)
 
-    assert used_beside(layers, isolation) < 4
-    assert used_beside(replace(layers, cgroups=False), IsolationLevel.MEDIUM) > 4
+    assert least_beside(layers, isolation) < FAIR
+    assert least_beside(replace(layers, cgroups=False), IsolationLevel.MEDIUM) > FAIR
 
 
 def test_without_control_groups_a_box_stays_in_one_session_which_is_its_share() -> None:
     if not AUTOGROUP.exists() or AUTOGROUP.read_text() != "1\n":
         pytest.skip("the kernel gives sessions no share of their own")
 
-    assert used_beside(Layers.of(IsolationLevel.MEDIUM), IsolationLevel.MEDIUM) < 4
+    assert least_beside(Layers.of(IsolationLevel.MEDIUM), IsolationLevel.MEDIUM) < FAIR

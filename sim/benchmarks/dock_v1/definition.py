@@ -93,5 +93,5 @@ BENCHMARK = Benchmark(
         ),
     },
     # block: both vehicles.
-    protocol=RankedProtocol(reference_trials=4, fresh_trials=24, block=2),
+    protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
 )

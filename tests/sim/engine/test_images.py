@@ -180,7 +180,7 @@ def test_a_built_in_controller_has_the_images_of_any_other_program(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     experiment: Any = registry.benchmark(BENCHMARK).load()
-    monkeypatch.setitem(registry.controllers(experiment.task), "servo", f"{__name__}:Servo")
+    monkeypatch.setitem(registry.TASK_CONTROLLERS[experiment.task], "servo", f"{__name__}:Servo")
     config = registry.benchmark(BENCHMARK).read(SHORT | {"images": "arm"})
     built_in = experiment.built_in("servo", config)
 
