@@ -157,6 +157,7 @@ def test_the_target_stays_in_the_image_wherever_and_however_it_lies(seed, trial)
 
 
 @pytest.mark.slow
+@settings(max_examples=20)
 @given(seed=seeds)
 def test_what_is_drawn_depends_on_seed_and_trial_but_not_on_the_levels(seed) -> None:
     config, other = ENTRY.read({}), ENTRY.read(SHORT)
