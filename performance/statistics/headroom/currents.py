@@ -3,8 +3,8 @@
     ./run performance headroom [currents-v2] [ENTRY ...] [--trials N] [--seed S] [--processes P]
 
 Named entries are measured again, by default those that docs/headroom.json does not have yet with
-these trials. The scenario is the ranked one. The trials of currents-v3 are its reference trials;
-trial i of currents-v2 has the seed S + i, none of which is a benchmark's.
+these trials. The scenario is the ranked one. The first eight trials of currents-v3 are its
+reference trials; trial i of currents-v2 has the seed S + i, none of which is a benchmark's.
 """
 
 from collections.abc import Mapping, Sequence

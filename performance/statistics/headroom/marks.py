@@ -155,7 +155,7 @@ def _agreement(first: list[str], second: list[str]) -> float:
 def draw_headroom(
     results: Mapping[str, Measured], out: Path, *, score: str, highest: float
 ) -> None:
-    """Draw the scores with their intervals, from 0 to the highest that is possible."""
+    """Draw the scores with their intervals, from 0 or below to the highest that is possible."""
     entries = [results[key] for key in ordered(results)]
     with figure(out, height=0.4 * len(entries) + 1.0) as axes:
         at = np.arange(len(entries))
@@ -166,5 +166,6 @@ def draw_headroom(
         axes.plot(known, at, "o", color="#c2410c", label="reference trials")
         axes.set_yticks(at, [one.title for one in entries])
         axes.set_xlabel(f"{score}, mean and 95 % interval, other seeds")
-        axes.set_xlim(0.0, highest + 0.2)
+        lowest = min(score - margin for score, margin in zip(scores, margins, strict=True))
+        axes.set_xlim(min(0.0, 1.1 * lowest), highest + 0.2)
         axes.legend(loc="lower right")

@@ -39,7 +39,7 @@ BENCHMARK = replace(
             {"vehicle": "bluerov2-heavy-v2"},
         ),
     },
-    scale=(0.018, 0.703),  # ./run performance headroom
+    scale=(0.019, 0.712),  # ./run performance headroom
     experiment="seamark.sim.benchmarks.currents_v3.experiment:EXPERIMENT",
     # block: both vehicles; all fresh trials share a seed, which divides the directions among them.
     protocol=RankedProtocol(

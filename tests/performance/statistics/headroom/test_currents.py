@@ -67,15 +67,18 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
     assert "| PI | 1 |" not in text
 
 
-def test_each_entry_but_mpc_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
-    stored = BEFORE.known()
+@pytest.mark.parametrize("plan", [BEFORE, PLAN], ids=lambda plan: plan.benchmark)
+def test_each_entry_but_mpc_is_better_than_the_one_below_it_by_more_than_the_interval(
+    plan: Headroom,
+) -> None:
+    stored = plan.known()
     apart = ordered({name: one for name, one in stored.items() if name != "mpc"})
     steps = {
         (worse, better): paired_interval(stored[better].scores, stored[worse].scores, block=2)
         for worse, better in pairwise(apart)
     }
 
-    assert set(stored) == set(BEFORE.definition.baselines)
+    assert set(stored) == set(plan.definition.baselines)
     assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
 
 
