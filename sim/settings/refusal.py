@@ -14,3 +14,7 @@ class ConfigurationInvalid(Exception):
     def __init__(self, errors: Mapping[str, str]) -> None:
         super().__init__(" ".join(errors.values()))
         self.errors = dict(errors)
+
+    def __reduce__(self) -> tuple[type["ConfigurationInvalid"], tuple[dict[str, str]]]:
+        """Return how another process gets it: by its errors, not by its text."""
+        return type(self), (self.errors,)

@@ -48,7 +48,7 @@ from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.engine.warm_up import warm_up
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.registry import benchmark
-from seamark.sim.trackers import Tracker, declaration, make
+from seamark.sim.trackers import Tracker, make
 
 SECOND, THIRD = "visibility-v2", "visibility-v3"
 AXES = {"turbidity": "optical depth", "motion": "px per image", "jump": "jump [px]"}
@@ -145,10 +145,6 @@ def entries(name: str) -> dict[str, Entry]:
     by_name["mosse-opencv"] = Entry(
         title="MOSSE, OpenCV", config={}, make=lambda _config: OpenCvMosse()
     )
-    if not declaration("visp").unavailable():
-        by_name["visp"] = Entry(
-            title="ViSP, ZNCC, homography", config={"tracker": "visp"}, make=built_in
-        )
     return by_name
 
 

@@ -1,6 +1,7 @@
 """Errors name the setting and its allowed range; the schema gives the form the same range."""
 
 import contextlib
+import copy
 import math
 from typing import Any
 
@@ -165,3 +166,11 @@ def test_every_tagged_setting_names_its_source(name: str) -> None:
     assert len(tagged) > 10
     assert [key for key, entry in tagged.items() if not entry["x-source"]] == []
     assert {entry["x-tag"] for entry in tagged.values()} <= set(TAGS)
+
+
+def test_another_process_gets_a_refusal_with_its_messages() -> None:
+    refusal = ConfigurationInvalid({"levels": "too many.", "arm": "unknown."})
+
+    received = copy.copy(refusal)  # by the same protocol as to another process
+
+    assert (str(received), received.errors) == (str(refusal), refusal.errors)
