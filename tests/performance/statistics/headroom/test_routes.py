@@ -45,6 +45,9 @@ def test_from_nothing_to_the_oracle_each_step_is_better_than_the_one_before() ->
         ("pi", "p"),
         ("p", "los"),
         ("los", "l1"),
+        ("los", "mpc"),
+        ("los", "into-flow"),
+        ("l1", "oracle"),
         ("into-flow", "oracle"),
     ):
         interval = paired_interval(known[better].scores, known[worse].scores, block=PLAN.block)
