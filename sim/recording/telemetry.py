@@ -16,7 +16,8 @@ have: with only those there are, some would be as wide as rows of a route.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -340,6 +341,36 @@ def width_for(
     own += route * ROUTE_WIDTH + dock * DOCK_WIDTH + detections * DETECTION_WIDTH
     thrusters = DOCK_THRUSTERS if dock else thrusters
     return own + max(thrusters - COMMON_THRUSTERS, 0)
+
+
+def _known_by() -> dict[str, str]:
+    """Return kind of columns -> the first of them that no other kind has."""
+    kinds = {
+        "arm": ARM_COLUMNS,
+        "work": WORK_COLUMNS,
+        "search": SEARCH_COLUMNS,
+        "route": ROUTE_COLUMNS,
+        "dock": DOCK_COLUMNS,
+        "detections": DETECTION_COLUMNS,
+    }
+    every = Counter(column.name for kind in kinds.values() for column in kind)
+    return {
+        name: next(column.name for column in kind if every[column.name] == 1)
+        for name, kind in kinds.items()
+    }
+
+
+_KNOWN_BY = _known_by()
+
+
+def width_of(written: Collection[str]) -> int:
+    """Return the width of this version's rows for a run whose rows were written with these names.
+
+    Another version may have written them: kinds are told by one name each, so that columns can
+    have come or gone since.
+    """
+    thrusters = sum(name.startswith("thrust_") for name in written)
+    return width_for(thrusters, **{kind: name in written for kind, name in _KNOWN_BY.items()})
 
 
 def detections(rows: Rows) -> Rows:

@@ -14,7 +14,6 @@ import os
 import secrets
 import shutil
 from bisect import bisect_right
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -70,23 +69,7 @@ class RunFiles:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
-        written = self._written_names()
-        thrusters = sum(name.startswith("thrust_") for name in written)
-        optional = {
-            "arm": telemetry.ARM_COLUMNS,
-            "work": telemetry.WORK_COLUMNS,
-            "search": telemetry.SEARCH_COLUMNS,
-            "route": telemetry.ROUTE_COLUMNS,
-            "dock": telemetry.DOCK_COLUMNS,
-            "detections": telemetry.DETECTION_COLUMNS,
-        }
-        every = Counter(column.name for group in optional.values() for column in group)
-        has = {
-            name: next(one.name for one in group if every[one.name] == 1) in written
-            for name, group in optional.items()
-        }
-        width = telemetry.width_for(thrusters, **has)
-        return telemetry.names(width)
+        return telemetry.names(telemetry.width_of(self._written_names()))
 
     def attempts(self) -> list[int]:
         """Return the attempts that have files."""

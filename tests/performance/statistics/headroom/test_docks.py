@@ -46,6 +46,7 @@ def test_what_looks_is_better_than_what_does_not_and_the_oracle_is_better_than_a
         ("straight", "oracle"),
         ("staged", "oracle"),
     ):
+        assert mean(known[better].scores) > 1.2 * mean(known[worse].scores), (worse, better)
         interval = paired_interval(known[better].scores, known[worse].scores, block=PLAN.block)
         assert interval is not None
         assert interval[0] > 0.0, (worse, better)

@@ -1,6 +1,7 @@
 """A bridge in this process, and a client that speaks the protocol without a library for it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from typing import Any
 
@@ -14,6 +15,7 @@ from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
 from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.sim.camera.optics import CURRENTS
 from seamark.sim.vehicles.linkage_reading import load_linkage
+from seamark.worker.ipc.outcomes import RunOutcome
 from tests.seamark.bridge.conftest import PATIENCE_S, Running
 
 
@@ -71,6 +73,20 @@ class Bridged:
     def start(self, **settings: Any) -> Running:
         arm = ARM if settings.get("arm") else None
         return Running(RosProgram(self.bridge, CURRENTS, arm), **settings)
+
+    def steered(
+        self, client: Client, topics: Iterable[str], *, surge: float, **settings: Any
+    ) -> RunOutcome:
+        """Run a program that always commands the same surge; topics come into `client.others`."""
+        for topic in (*topics, "/seamark/error"):
+            client.subscribe(topic)
+        running = self.start(**settings)
+        with ThreadPoolExecutor(1) as pool:
+            answering = pool.submit(client.answer_all, "/seamark/error", lambda _message: surge)
+            outcome = running.outcome()
+            self.bridge.publish_result("{}")
+            answering.result()
+        return outcome
 
     def client(self, **options: Any) -> Client:
         url = f"ws://127.0.0.1:{self.bridge.port}"

@@ -1,7 +1,6 @@
 """A program behind a bridge moves an arm, and gets what it feels."""
 
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -27,14 +26,7 @@ def moved(
     """Run a program that always sends the same speeds; return how, and what it was sent."""
     bridged = open_bridge(joints=len(SPEEDS))
     client = publish_speeds(bridged, SPEEDS)
-    for topic in (*topics, "/seamark/error"):
-        client.subscribe(topic)
-    running = bridged.start(**WITH_ARM | settings)
-    with ThreadPoolExecutor(1) as pool:
-        answering = pool.submit(client.answer_all, "/seamark/error", lambda _message: SURGE)
-        outcome = running.outcome()
-        bridged.bridge.publish_result("{}")
-        answering.result()
+    outcome = bridged.steered(client, topics, surge=SURGE, **WITH_ARM | settings)
     return outcome, client.others
 
 

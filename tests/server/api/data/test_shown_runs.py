@@ -26,13 +26,11 @@ def _built_in(entry: Benchmark) -> str:
 @cache
 def _rows(name: str) -> Rows:
     entry = registry.benchmark(name)
-    config: Any = entry.read(entry.quick_settings).for_trial(0)
-    program = entry.load().built_in(_built_in(entry), config)
+    config: Any = entry.read(entry.quick_settings)
+    program = entry.load().built_in(_built_in(entry), config.for_trial(0))
     parts: list[Rows] = []
     run_trial(
-        name,
-        entry.read(entry.quick_settings),
-        program,
+        *(name, config, program),
         seed=SEED,
         trial=0,
         on_rows=lambda rows: parts.append(rows.copy()),
