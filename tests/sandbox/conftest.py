@@ -1,6 +1,7 @@
 """Boxes and programs for tests of the sandbox itself."""
 
 import contextlib
+import gc
 import os
 
 from seamark.sandbox.box import Box
@@ -41,3 +42,9 @@ def descriptors() -> set[tuple[str, str]]:
         with contextlib.suppress(FileNotFoundError):  # that of the list itself
             opened.add((number, os.readlink(f"/proc/self/fd/{number}")))
     return opened
+
+
+def count_of_descriptors() -> int:
+    """Return how many this process has open, without garbage of tests before."""
+    gc.collect()
+    return len(os.listdir("/proc/self/fd"))

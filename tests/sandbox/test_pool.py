@@ -12,6 +12,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.sandbox.pool import BoxLease, Pool
+from tests.sandbox.conftest import count_of_descriptors
 
 pytestmark = pytest.mark.host
 
@@ -64,11 +65,11 @@ def test_refilling_keeps_idle_boxes_and_adds_the_missing_ones(isolation) -> None
 def test_a_box_that_waited_too_long_is_replaced(isolation) -> None:
     with pool(isolation, max_age_s=0.0) as boxes:
         boxes.refill()
-        before = len(os.listdir("/proc/self/fd"))
+        before = count_of_descriptors()
         boxes.refill()
 
         assert idle(boxes) == 1
-        assert len(os.listdir("/proc/self/fd")) == before
+        assert count_of_descriptors() == before
 
 
 def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(isolation) -> None:
@@ -166,7 +167,7 @@ def test_a_fork_uses_the_box_that_it_is_leased_and_no_other(isolation) -> None:
 
 
 def test_the_box_of_a_fork_that_was_killed_ends_with_the_lease(isolation) -> None:
-    before = len(os.listdir("/proc/self/fd"))
+    before = count_of_descriptors()
     with pool(isolation) as boxes:
         boxes.refill()
         lease = boxes.lease("python", 1)
@@ -179,7 +180,7 @@ def test_the_box_of_a_fork_that_was_killed_ends_with_the_lease(isolation) -> Non
         for one in pidfds:
             assert select.select([one], [], [], 5.0)[0]
             os.close(one)
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert count_of_descriptors() == before
 
 
 def test_a_box_moves_to_the_cores_of_the_process_that_takes_it(isolation) -> None:
@@ -198,7 +199,7 @@ def test_a_box_moves_to_the_cores_of_the_process_that_takes_it(isolation) -> Non
 
 
 def test_no_box_is_left_when_the_pool_closes(isolation) -> None:
-    before = len(os.listdir("/proc/self/fd"))
+    before = count_of_descriptors()
     with pool(isolation, stock=2) as boxes:
         boxes.refill()
         waiting = [one.box for one in boxes._idle["python"]]
@@ -210,4 +211,4 @@ def test_no_box_is_left_when_the_pool_closes(isolation) -> None:
     for descriptor in everybody:
         assert select.select([descriptor], [], [], 5.0)[0]
         os.close(descriptor)
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert count_of_descriptors() == before

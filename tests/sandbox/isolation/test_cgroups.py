@@ -5,7 +5,6 @@ it makes with a group (cgroup-v2.rst) and takes away with it. The same code runs
 version 1 or 2 in every other test of the sandbox.
 """
 
-import os
 import shutil
 import signal
 import subprocess
@@ -18,6 +17,7 @@ from seamark.sandbox.isolation.cgroup_parents import CgroupPaths
 from seamark.sandbox.isolation.cgroups import ControlGroup, Kernel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
+from tests.sandbox.conftest import count_of_descriptors
 
 FILES = {
     "cgroup.procs": "",
@@ -117,10 +117,10 @@ def test_all_processes_are_killed_by_one_write_and_the_group_is_removed(group, t
     group.kill()
 
     assert (top / group.name / "cgroup.kill").read_text() == "1"
-    before = len(os.listdir("/proc/self/fd"))
+    before = count_of_descriptors()
     group.remove()
     assert not (top / group.name).exists()
-    assert len(os.listdir("/proc/self/fd")) == before - 1
+    assert count_of_descriptors() == before - 1
 
 
 def test_a_group_that_cannot_be_removed_is_reported_to_have_survivors(top, monkeypatch) -> None:
