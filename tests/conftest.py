@@ -27,6 +27,7 @@ from seamark.sim.vehicles import own
 from tests.cast import Backend
 from tests.services import (
     compiled_once,
+    forked_commands,
     forked_processes,
     postgres,
     s3,
@@ -51,6 +52,7 @@ hypothesis_settings.register_profile(
 hypothesis_settings.load_profile("patient")
 compiled_once.share()
 uploads.read_without_spare()
+forked_commands.share()
 scratch.use_memory()
 # Hashing a password is dear on purpose; only tests of that hash as the service does.
 QUICK_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)

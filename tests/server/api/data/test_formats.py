@@ -19,6 +19,7 @@ from seamark.server.runs.downloads.conversions import SLOTS, ConversionFailed, C
 from tests.cast import PROGRAM
 from tests.part_programs import BENCHMARK, DETECTOR, TRACKER
 from tests.server.api.conftest import Site
+from tests.services import forked_commands
 
 
 def fetch(site: Site, run_id: int, kind: str, role: str = "owner", **options: str) -> TestResponse:
@@ -128,11 +129,13 @@ def test_hidden_seeds_are_not_in_the_archive(site: Site) -> None:
 @pytest.mark.slow
 def test_who_has_the_file_already_is_not_sent_it_again(site: Site) -> None:
     run_id = site.recorded()
-    first = fetch(site, run_id, "npz")
+    with forked_commands.started_anew():
+        first = fetch(site, run_id, "npz")
     convert_with(site, Conversions(command=("false",)))
 
     again = fetch(site, run_id, "npz", **{"If-None-Match": first.headers["ETag"]})
 
+    assert "telemetry" in np.load(io.BytesIO(first.data))
     assert (again.status_code, again.data) == (304, b"")
 
 

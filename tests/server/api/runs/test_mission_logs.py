@@ -10,6 +10,7 @@ from werkzeug.test import TestResponse
 
 from seamark.server.database.tables import Best
 from tests.server.api.conftest import Site
+from tests.services import forked_commands
 
 NAMES = ("t", "x", "y", "z", "roll", "pitch", "yaw")
 
@@ -28,7 +29,9 @@ def _open(site: Site, content: bytes, name: str = "log.csv", **fields: Any) -> T
 
 @pytest.mark.slow
 def test_a_log_becomes_a_private_run_with_metrics_and_rows_that_can_be_deleted(site: Site) -> None:
-    opened = _open(site, gzip.compress(_poses()), "mission.csv.gz", title="pool", notes="day 2")
+    log = gzip.compress(_poses())
+    with forked_commands.started_anew():
+        opened = _open(site, log, "mission.csv.gz", title="pool", notes="day 2")
 
     run = opened.get_json()
     path = opened.headers["Location"]
