@@ -13,7 +13,7 @@ from seamark.identification.parameters import parameters_of
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.reading import read_vehicle
 
-SECONDS = 30.0
+SECONDS = 12.0
 OWN = """format = 1
 name = "my-rov" # a comment stays
 title = "My ROV"
@@ -63,7 +63,7 @@ def test_a_tank_day_gives_a_vehicle_that_a_run_can_have(tank: Path, tmp_path: Pa
         cli,
         [
             *("run", "currents-v2", "--controller", "pi", "--set", f"vehicle={fitted}"),
-            *("--set", "levels=0,0.2", "--set", "level_duration_s=15", "--set", "settle_s=5"),
+            *("--set", "levels=0.2", "--set", "level_duration_s=4", "--set", "settle_s=1"),
         ],
     )
     assert run.exit_code == 0, run.output
@@ -77,7 +77,7 @@ def test_the_telemetry_of_a_run_is_a_log(tmp_path: Path) -> None:
         [
             *("run", "currents-v2", "--controller", "pi", "--seed", "3", "--out", str(result)),
             *("--set", "vehicle=bluerov2-heavy-v2", "--set", "levels=0,0.4"),
-            *("--set", "level_duration_s=30", "--set", "settle_s=5"),
+            *("--set", "level_duration_s=12", "--set", "settle_s=1"),
         ],
     )
     assert run.exit_code == 0, run.output

@@ -15,7 +15,7 @@ from seamark.identification.whiteness import is_white
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.vehicles import Vehicle, load
 
-SECONDS = 40.0
+SECONDS = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def test_a_log_without_noise_gives_the_parameters_exactly(vehicle: Vehicle) -> N
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
-    inside = [held(seed, seconds=25.0) for seed in range(1000, 1005)]
+    inside = [held(seed, seconds=12.0) for seed in range(1000, 1005)]
 
     # With 95 %, five logs hold at most half of all in less than one case of 10,000: masses and
     # drags share a factor, so their errors come together.
