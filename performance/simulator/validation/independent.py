@@ -30,9 +30,9 @@ class Difference(NamedTuple):
     travelled_m: float
 
 
-def legs_of(count: int) -> list[Leg]:
+def legs_of(count: int, leg_s: float = LEG_S) -> list[Leg]:
     """Return the manoeuvre for a number of thrusters."""
-    return [Leg(LEG_S, scale * commands(count)) for scale in LEG_SCALES]
+    return [Leg(leg_s, scale * commands(count)) for scale in LEG_SCALES]
 
 
 def plant_end(name: str, legs: list[Leg], water: Water) -> Array:
@@ -48,9 +48,9 @@ def plant_end(name: str, legs: list[Leg], water: Water) -> Array:
     return np.concatenate((plant.pose(), plant.velocity(), plant.thrust()))
 
 
-def difference(name: str, *, force: bool) -> Difference:
+def difference(name: str, *, force: bool, leg_s: float = LEG_S) -> Difference:
     """Return the difference between the two after the manoeuvre."""
-    legs = legs_of(len(load(name).thrusters))
+    legs = legs_of(len(load(name).thrusters), leg_s)
     water = Water(level=LEVEL, azimuth=AZIMUTH, force=force)
     ours, other = plant_end(name, legs, water), reference(load(name), START, legs, water)
     apart = np.abs(ours - other)
