@@ -1,6 +1,7 @@
 """Short demonstrations in each layout."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,13 +40,24 @@ def written(tmp_path: Path) -> Callable[..., Path]:
     return named
 
 
-@pytest.fixture(scope="module")
-def lerobot(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="session")
+def written_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The same, written by one process, in a folder that tests read and do not change."""
+
+    @cache
+    def folder(layout: str) -> Path:
+        return write(tmp_path_factory.mktemp(layout) / "out", layout)
+
+    return folder
+
+
+@pytest.fixture(scope="session")
+def lerobot(written_once: Callable[[str], Path]) -> Path:
     """The same for LeRobot."""
-    return write(tmp_path_factory.mktemp("lerobot") / "out", "lerobot")
+    return written_once("lerobot")
 
 
-@pytest.fixture(scope="module")
-def of_minari(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="session")
+def of_minari(written_once: Callable[[str], Path]) -> Path:
     """The same for Minari."""
-    return write(tmp_path_factory.mktemp("minari") / "out", "minari")
+    return written_once("minari")

@@ -36,9 +36,9 @@ def plan_of(seed: int, **options: Any) -> Plan:
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_the_bytes_do_not_depend_on_how_many_processes_write_them(
-    written: Written, layout: str
+    written: Written, written_once: Written, layout: str
 ) -> None:
-    one = files_of(written(layout, "one", jobs=1))
+    one = files_of(written_once(layout))
     two = files_of(written(layout, "two", jobs=2))
 
     assert one == two
@@ -112,7 +112,7 @@ def test_an_expert_that_hardly_ever_succeeds_is_said(
 
 @pytest.mark.slow
 def test_an_interrupted_command_goes_on_where_it_was(
-    written: Written, demonstrations: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    written_once: Written, demonstrations: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
     options = ("--format", "parquet", "--out", str(out), "--set", "images=both", *SHORT)
@@ -140,7 +140,7 @@ def test_an_interrupted_command_goes_on_where_it_was(
 
     assert again.exit_code == 0
     assert set(seen) == {written_at}
-    assert files_of(out) == files_of(written("parquet", "whole"))
+    assert files_of(out) == files_of(written_once("parquet"))
     assert not (tmp_path / "out.part").exists()
 
 

@@ -14,8 +14,8 @@ Written = Callable[..., Path]
 pytestmark = pytest.mark.slow  # all simulate
 
 
-def test_a_row_has_an_observation_and_what_the_expert_did_then(written: Written) -> None:
-    folder = written("parquet")
+def test_a_row_has_an_observation_and_what_the_expert_did_then(written_once: Written) -> None:
+    folder = written_once("parquet")
     steps = polars.read_parquet(folder / "steps" / "**" / "*.parquet")
     compared = 0
 
