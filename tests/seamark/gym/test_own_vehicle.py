@@ -70,7 +70,7 @@ def test_another_file_is_another_vehicle(mine: Path) -> None:
 def test_each_process_reads_the_file_itself(mine: Path) -> None:
     env = gymnasium.make_vec(
         NAME,
-        num_envs=2,
+        num_envs=1,
         vectorization_mode="async",
         vector_kwargs={"context": "spawn"},
         settings=SHORT | {"vehicle": str(mine)},
