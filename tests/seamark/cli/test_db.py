@@ -76,11 +76,11 @@ def test_a_downgrade_to_an_unknown_schema_is_refused(leaderboard: Backend) -> No
 
 @pytest.mark.slow
 def test_the_missing_reference_entries_are_queued_once(leaderboard: Backend) -> None:
-    command = [sys.executable, "-m", "seamark.cli.main", "db", "reference-entries", "--json"]
-    first, again = (
-        json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)["runs"]
-        for _ in range(2)
-    )
+    words = ["db", "reference-entries", "--json"]
+    command = [sys.executable, "-m", "seamark.cli.main", *words]
+    printed = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
+    first = json.loads(printed)["runs"]
+    again = json.loads(CliRunner().invoke(cli, words).stdout)["runs"]
 
     with leaderboard.database.reading() as session:
         queued = reference_entries.live_count(session)
