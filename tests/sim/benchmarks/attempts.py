@@ -4,11 +4,21 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.in_current import InCurrent
 from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command
+
+
+def over_trials(few: Sequence[int], every: Sequence[int]) -> pytest.MarkDecorator:
+    """Give a test `trials`: a few in each run of the suite, and the statistics as a long test."""
+    parameters = [
+        pytest.param(tuple(few), id="few"),
+        pytest.param(tuple(every), id="every", marks=pytest.mark.long),
+    ]
+    return pytest.mark.parametrize("trials", parameters)
 
 
 class Driver:

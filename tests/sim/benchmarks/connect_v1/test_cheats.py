@@ -1,6 +1,8 @@
 """Programs that do not plug the connector with a hand stay at the bottom of connect-v1."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,7 +25,7 @@ from seamark.sim.control.observation import Observation
 from seamark.sim.metrics.connection import STAGES, Connection
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
 from tests.sim.benchmarks import attempts
-from tests.sim.benchmarks.attempts import Driver, Playback, Still
+from tests.sim.benchmarks.attempts import Driver, Playback, Still, over_trials
 
 pytestmark = pytest.mark.slow
 # The widest hole there is.
@@ -33,7 +35,6 @@ CONFIG = ConnectConfiguration.read(
 SEED = 2026
 CREDIT = {stage.name: stage.credit for stage in STAGES}
 WEIGHT_N = 12.0  # of most connectors in water: a cheat that does less was no try
-TRIALS = (0, 1, 2)
 
 
 class Bulldozer(Scripted):
@@ -122,8 +123,25 @@ class ByDvl(Scripted):
             self.handle = yaw + 0.5 * np.pi + self.HANDLE_RAD
 
 
-def driver_of(controller: Any) -> Driver:
-    return Driver(controller, CONFIG)
+class Watched(Scripted):
+    """The scripted entry; it keeps what it does."""
+
+    def reset(self, level: Any) -> None:
+        self.seen: set[int] = set()
+        super().reset(level)
+
+    def _go(self, phase: int) -> None:
+        self.seen.add(phase)
+        super()._go(phase)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A program's level: itself, its commands, and the rows that it left."""
+
+    program: Any
+    driver: Driver
+    rows: NDArray[np.float64]
 
 
 def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
@@ -131,11 +149,21 @@ def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.f
     return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
 
 
-def attempts_of(
-    cheat: Callable[[Any], Any], trials: Iterable[int] = TRIALS
-) -> list[NDArray[np.float64]]:
+@cache  # several tests compare with the same
+def attempt_of(kind: Callable[[Any], Any], trial: int) -> Attempt:
+    program = kind(CONFIG.for_program())
+    driver = Driver(program, CONFIG)
+    return Attempt(program, driver, rows_of(driver, trial))
+
+
+def attempts_of(kind: Callable[[Any], Any], numbers: Iterable[int]) -> list[NDArray[np.float64]]:
     """Return the rows of a level of each trial."""
-    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in trials]
+    return [attempt_of(kind, trial).rows for trial in numbers]
+
+
+def played_back(of: Attempt, trial: int, *, seed: int = SEED) -> float:
+    """Return the credit of the same commands at another time."""
+    return credit(rows_of(Driver(Playback(of.driver.commands), CONFIG), trial, seed=seed))
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -146,29 +174,41 @@ def most(rows: NDArray[np.float64], name: str) -> float:
     return float(rows[:, {**INDEX, **WORK_INDEX}[name]].max())
 
 
-def test_a_connector_that_is_bulldozed_gives_no_more_than_a_touch() -> None:
-    tries = attempts_of(Bulldozer)
+ONE_TRIAL = over_trials(few=(0,), every=(0, 1, 2))
+Trials = tuple[int, ...]
+
+
+@ONE_TRIAL
+def test_a_connector_that_is_bulldozed_gives_no_more_than_a_touch(trials: Trials) -> None:
+    tries = attempts_of(Bulldozer, trials)
 
     assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
     assert max(map(credit, tries)) <= CREDIT["touched"]
 
 
-def test_a_vehicle_that_is_dropped_on_the_connector_gives_no_more_than_a_touch() -> None:
-    tries = attempts_of(Dropper)
+@ONE_TRIAL
+def test_a_vehicle_that_is_dropped_on_the_connector_gives_no_more_than_a_touch(
+    trials: Trials,
+) -> None:
+    tries = attempts_of(Dropper, trials)
 
     assert min(Connection(rows, CONFIG.control_period_s).strikes for rows in tries) > 0
     assert max(map(credit, tries)) <= CREDIT["touched"]
 
 
-def test_a_closed_hand_that_presses_on_it_gives_no_more_than_a_touch() -> None:
-    tries = attempts_of(Presser)
+@ONE_TRIAL
+def test_a_closed_hand_that_presses_on_it_gives_no_more_than_a_touch(trials: Trials) -> None:
+    tries = attempts_of(Presser, trials)
 
     assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
     assert max(map(credit, tries)) <= CREDIT["touched"]
 
 
-def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more() -> None:
-    tries = attempts_of(Thrower)
+@ONE_TRIAL
+def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more(
+    trials: Trials,
+) -> None:
+    tries = attempts_of(Thrower, trials)
     fallen = [Connection(rows, CONFIG.control_period_s) for rows in tries]
 
     assert max(map(credit, tries)) == CREDIT["unparked"]
@@ -177,52 +217,45 @@ def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more() -
     assert max(float(one.inserted_m.max()) for one in fallen) < 0.001
 
 
-def test_one_that_is_let_go_at_the_mouth_and_pressed_down_was_not_inserted() -> None:
-    tries = attempts_of(DropAndPress)
+@ONE_TRIAL
+def test_one_that_is_let_go_at_the_mouth_and_pressed_down_was_not_inserted(trials: Trials) -> None:
+    tries = attempts_of(DropAndPress, trials)
     pressed = [Connection(rows, CONFIG.control_period_s) for rows in tries]
 
     assert max(float(one.depth_m.max()) for one in pressed) > 0.05
     assert max(map(credit, tries)) == CREDIT["entered"]
 
 
-def test_who_flies_by_the_dvl_alone_does_not_take_the_connector() -> None:
-    assert max(map(credit, attempts_of(ByDvl))) <= CREDIT["touched"]
+@ONE_TRIAL
+def test_who_flies_by_the_dvl_alone_does_not_take_the_connector(trials: Trials) -> None:
+    assert max(map(credit, attempts_of(ByDvl, trials))) <= CREDIT["touched"]
 
 
 def test_holding_still_gives_nothing() -> None:
-    rows = rows_of(driver_of(Still()))
+    rows = rows_of(Driver(Still(), CONFIG))
 
     assert credit(rows) == 0.0
     assert most(rows, "contact_n") == 0.0
 
 
-def test_commands_that_plugged_a_connector_once_plug_it_again_but_no_other() -> None:
-    honest = driver_of(Scripted(CONFIG.for_program()))
-    assert credit(rows_of(honest, 0)) == CREDIT["completed"]
-    assert credit(rows_of(driver_of(Playback(honest.commands)), 0)) == CREDIT["completed"]
+@ONE_TRIAL
+def test_commands_that_plugged_a_connector_once_plug_it_again_but_no_other(trials: Trials) -> None:
+    honest = attempt_of(Watched, 0)
+    assert credit(honest.rows) == CREDIT["completed"]
+    assert played_back(honest, 0) == CREDIT["completed"]
 
-    fresh = [
-        rows_of(driver_of(Playback(honest.commands)), trial, seed=SEED + 1) for trial in TRIALS
-    ]
+    fresh = sorted(played_back(honest, trial, seed=SEED + 1) for trial in trials)
 
-    assert sorted(map(credit, fresh))[1] <= CREDIT["touched"]
-    assert max(map(credit, fresh)) <= CREDIT["unparked"]
+    assert fresh[len(fresh) // 2] <= CREDIT["touched"]
+    assert fresh[-1] <= CREDIT["unparked"]
 
 
-def test_who_stops_looking_plugs_less_than_who_looks_on() -> None:
-    blind, seeing = (sum(map(credit, attempts_of(entry, range(6)))) for entry in (Blind, Scripted))
+@over_trials(few=(0,), every=range(6))
+def test_who_stops_looking_plugs_less_than_who_looks_on(trials: Trials) -> None:
+    blind, seeing = (sum(map(credit, attempts_of(entry, trials))) for entry in (Blind, Watched))
 
     assert blind < 0.5 * seeing
 
 
 def test_the_scripted_entry_goes_through_all_its_steps() -> None:
-    seen = set()
-
-    class Watched(Scripted):
-        def _go(self, phase: int) -> None:
-            seen.add(phase)
-            super()._go(phase)
-
-    rows_of(driver_of(Watched(CONFIG.for_program())))
-
-    assert {LOWER, INSERT, OPEN, LEAVE} <= seen
+    assert {LOWER, INSERT, OPEN, LEAVE} <= attempt_of(Watched, 0).program.seen

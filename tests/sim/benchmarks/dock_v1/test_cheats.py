@@ -1,5 +1,7 @@
 """Programs that do not find and enter the dock stay at the bottom of dock-v1."""
 
+from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,11 +11,11 @@ from seamark.sim.benchmarks.dock_v1.experiment import EXPERIMENT
 from seamark.sim.benchmarks.dock_v1.settings import DockConfiguration
 from seamark.sim.control.dock.entries import HOVER_M, Acoustic, Blind, Staged, Straight
 from seamark.sim.engine.program import BuiltIn
-from tests.sim.benchmarks.attempts import Driver, Playback, Still, rows_of
+from tests.sim.benchmarks.attempts import Driver, Playback, Still, over_trials, rows_of
 
 pytestmark = pytest.mark.slow
 CONFIG = DockConfiguration.read({"levels": [0.2]})
-SEED, TRIALS = 91, 2  # one of each vehicle
+SEED = 91
 
 
 class Sitter(Straight):
@@ -40,63 +42,71 @@ def controller(kind: Any, trial: int) -> Driver:
     return Driver(kind(CONFIG.for_trial(trial).for_program()), CONFIG)
 
 
-def qualities(kind: Any) -> list[float]:
-    return [float(metrics_of(controller(kind, t), t)["docking"]) for t in range(2 * TRIALS)]
+def qualities(kind: Any, numbers: Iterable[int]) -> list[float]:
+    return [float(metrics_of(controller(kind, trial), trial)["docking"]) for trial in numbers]
 
 
-@pytest.fixture(scope="module")
-def honest() -> list[Driver]:
-    """Drivers that docked, with the commands by which they did."""
-    drivers = [controller(Straight, trial) for trial in range(TRIALS)]
-    for trial, driver in enumerate(drivers):
-        assert metrics_of(driver, trial)["docking"] > 0.5
-    return drivers
+@cache
+def honest(trial: int) -> tuple[Driver, dict[str, Any]]:
+    """Return a driver that docked, with the commands by which it did, and its metrics."""
+    driver = controller(Straight, trial)
+    metrics = metrics_of(driver, trial)
+    assert metrics["docking"] > 0.5
+    return driver, metrics
 
 
-def test_a_staged_approach_docks_too_without_a_strike() -> None:
-    for trial in range(TRIALS):
+EACH_VEHICLE = (0, 1)  # by turns
+ONE_TRIAL = over_trials(few=(0,), every=EACH_VEHICLE)
+Trials = tuple[int, ...]
+
+
+@over_trials(few=(1,), every=EACH_VEHICLE)
+def test_a_staged_approach_docks_too_without_a_strike(trials: Trials) -> None:
+    for trial in trials:
         found = metrics_of(controller(Staged, trial), trial)
         assert (found["docked"], found["dock_strikes"]) == (1.0, 0.0)
         assert found["held"]
 
 
-def test_holding_still_earns_next_to_nothing() -> None:
-    still = [metrics_of(Driver(Still(), CONFIG), trial)["docking"] for trial in range(TRIALS)]
+@ONE_TRIAL
+def test_holding_still_earns_next_to_nothing(trials: Trials) -> None:
+    still = [metrics_of(Driver(Still(), CONFIG), trial)["docking"] for trial in trials]
 
     assert np.mean(still) < 0.05
 
 
+@over_trials(few=(1,), every=range(4))
 @pytest.mark.parametrize("kind", [Acoustic, Blind])
-def test_a_program_that_does_not_look_earns_little(kind: Any) -> None:
+def test_a_program_that_does_not_look_earns_little(kind: Any, trials: Trials) -> None:
     # One of them may be lucky: its first answer may be as good as the mouth is wide.
-    assert np.mean(qualities(kind)) < 0.25
+    assert np.mean(qualities(kind, trials)) < 0.25
 
 
-def test_waiting_above_the_mouth_earns_what_it_is_to_be_there() -> None:
-    assert max(qualities(Sitter)) <= 0.05
+@over_trials(few=(0,), every=range(4))
+def test_waiting_above_the_mouth_earns_what_it_is_to_be_there(trials: Trials) -> None:
+    assert max(qualities(Sitter, trials)) <= 0.05
 
 
-def test_diving_at_full_thrust_strikes_the_dock() -> None:
-    dived = [metrics_of(controller(Diver, trial), trial) for trial in range(TRIALS)]
+@ONE_TRIAL
+def test_diving_at_full_thrust_strikes_the_dock(trials: Trials) -> None:
+    dived = [metrics_of(controller(Diver, trial), trial) for trial in trials]
 
     assert all(one["dock_strikes"] >= 1.0 for one in dived)
     assert max(one["docking"] for one in dived) < 0.4
 
 
-def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(
-    honest: list[Driver],
-) -> None:
-    for trial, driver in enumerate(honest):
-        again = metrics_of(Driver(Playback(driver.commands), CONFIG), trial)
-        elsewhere = metrics_of(Driver(Playback(driver.commands), CONFIG), trial, seed=SEED + 1)
+@over_trials(few=(1,), every=EACH_VEHICLE)
+def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(trials: Trials) -> None:
+    for trial in trials:
+        commands = honest(trial)[0].commands
+        again = metrics_of(Driver(Playback(commands), CONFIG), trial)
+        elsewhere = metrics_of(Driver(Playback(commands), CONFIG), trial, seed=SEED + 1)
         assert again["docking"] > 0.5  # the same water, the same commands: playback itself works
         assert elsewhere["docking"] <= 0.05
 
 
-def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program(
-    honest: list[Driver],
-) -> None:
+def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program() -> None:
     config = CONFIG.for_trial(1)
 
     built_in = metrics_of(BuiltIn("straight", config, task="dock", dock=True), 1)
-    assert built_in == metrics_of(Driver(Playback(honest[1].commands), CONFIG), 1)
+    assert built_in == honest(1)[1]

@@ -1,6 +1,7 @@
 """Programs that do not recover the box stay at the bottom of recover-v1, whatever they do to it."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -88,20 +89,27 @@ def rows_of(driver: Driver, trial: int = 0) -> NDArray[np.float64]:
     return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=SEED, trial=trial)
 
 
+@cache  # several tests compare with the same
+def attempt_of(kind: Callable[[Any], Any], trial: int = 0) -> tuple[Driver, NDArray[np.float64]]:
+    """Return who drove a level, and the rows of it."""
+    driver = Driver(kind(CONFIG.for_program()), CONFIG)
+    return driver, rows_of(driver, trial)
+
+
 def credit(rows: NDArray[np.float64]) -> float:
     return float(EXPERIMENT.metrics(CONFIG, 0, rows)["credit"])
 
 
-def credit_of(controller: Any, trial: int = 0) -> float:
+def credit_of(kind: Callable[[Any], Any], trial: int = 0) -> float:
     """Return the credit of a level."""
-    return credit(rows_of(Driver(controller, CONFIG), trial))
+    return credit(attempt_of(kind, trial)[1])
 
 
 @pytest.mark.parametrize("cheat", [Bulldozer, Dropper, Presser, Wedger])
 def test_who_only_strikes_pushes_or_prises_the_box_gets_a_touch_at_most(
     cheat: Callable[[Any], Any],
 ) -> None:
-    rows = rows_of(Driver(cheat(CONFIG.for_program()), CONFIG))
+    _, rows = attempt_of(cheat)
 
     forces = [rows[:, WORK_INDEX[name]].max() for name in ("work_push_n", "work_hull_n")]
     assert max(forces) > STRUCK_N
@@ -109,21 +117,19 @@ def test_who_only_strikes_pushes_or_prises_the_box_gets_a_touch_at_most(
 
 
 def test_a_box_that_is_let_go_at_once_is_not_lifted() -> None:
-    assert credit_of(Thrower(CONFIG.for_program())) < STAGES[3].credit
+    assert credit_of(Thrower) < STAGES[3].credit
 
 
 def test_commands_that_recovered_the_box_once_recover_no_other() -> None:
-    honest = Driver(Scripted(CONFIG.for_program()), CONFIG)
-    assert credit(rows_of(honest)) > STAGES[2].credit
+    honest, rows = attempt_of(Scripted)
+    assert credit(rows) > STAGES[2].credit
 
-    others = [credit_of(Playback(honest.commands), trial) for trial in (1, 2, 3)]
+    others = [credit(rows_of(Driver(Playback(honest.commands), CONFIG), one)) for one in (1, 2, 3)]
 
     assert max(others) <= TOUCHED
 
 
 def test_who_looks_at_the_start_alone_recovers_less_than_who_keeps_looking() -> None:
-    trials = (0, 2, 3)
-    seeing = [credit_of(Scripted(CONFIG.for_program()), trial) for trial in trials]
-    blind = [credit_of(Blind(CONFIG.for_program()), trial) for trial in trials]
+    blind, seeing = (sum(credit_of(kind, one) for one in (0, 2, 3)) for kind in (Blind, Scripted))
 
-    assert sum(blind) < 0.5 * sum(seeing)
+    assert blind < 0.5 * seeing

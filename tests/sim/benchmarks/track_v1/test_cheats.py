@@ -64,8 +64,15 @@ HONEST = 0.55  # what line of sight reaches at least on average
 
 
 @pytest.fixture(scope="module")
-def honest() -> float:
-    return on_average(LineOfSight)
+def followers() -> list[tuple[Driver, float]]:
+    """What line of sight follows, and the commands that did it."""
+    drivers = [controller(LineOfSight, trial) for trial in range(TRIALS)]
+    return [(driver, followed(driver, trial)) for trial, driver in enumerate(drivers)]
+
+
+@pytest.fixture(scope="module")
+def honest(followers: list[tuple[Driver, float]]) -> float:
+    return float(np.mean([share for _, share in followers]))
 
 
 def test_a_program_that_navigates_by_fixes_follows_most_of_its_routes(honest: float) -> None:
@@ -86,11 +93,12 @@ def test_letting_the_water_carry_it_earns_next_to_nothing() -> None:
     assert np.mean(drifted) < 0.1
 
 
-def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(honest: float) -> None:
+def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(
+    followers: list[tuple[Driver, float]], honest: float
+) -> None:
     seen, again, elsewhere = [], [], []
-    for trial in range(TRIALS):
-        driver = controller(LineOfSight, trial)
-        seen.append(followed(driver, trial))
+    for trial, (driver, share) in enumerate(followers):
+        seen.append(share)
         playback = Playback(driver.commands)
         again.append(followed(Driver(playback, CONFIG), trial))
         elsewhere.append(followed(Driver(playback, CONFIG), trial, seed=SEED + 1))
@@ -100,9 +108,15 @@ def test_playing_back_the_commands_of_a_run_is_of_no_use_in_another(honest: floa
 
 
 @pytest.fixture(scope="module")
-def seen() -> list[float]:
+def watchers() -> list[tuple[Driver, float]]:
     """What line of sight by camera follows of pipes, and the commands that did it."""
-    return [followed(controller(LineOfSight, t, PIPES), t, settings=PIPES) for t in range(3)]
+    drivers = [controller(LineOfSight, trial, PIPES) for trial in range(3)]
+    return [(driver, followed(driver, t, settings=PIPES)) for t, driver in enumerate(drivers)]
+
+
+@pytest.fixture(scope="module")
+def seen(watchers: list[tuple[Driver, float]]) -> list[float]:
+    return [share for _, share in watchers]
 
 
 def test_a_program_that_sees_the_pipe_follows_most_of_it(seen: list[float]) -> None:
@@ -130,22 +144,20 @@ def test_the_fixes_do_not_tell_where_a_pipe_goes(seen: list[float]) -> None:
 
 
 def test_playing_back_the_commands_along_one_pipe_is_of_no_use_on_another(
-    seen: list[float],
+    watchers: list[tuple[Driver, float]], seen: list[float]
 ) -> None:
     elsewhere = []
-    for trial in range(3):
-        driver = controller(LineOfSight, trial, PIPES)
-        assert followed(driver, trial, settings=PIPES) == seen[trial]
+    for trial, (driver, share) in enumerate(watchers):
         playback = Playback(driver.commands)
-        assert followed(Driver(playback, PIPES), trial, settings=PIPES) == seen[trial]
+        assert followed(Driver(playback, PIPES), trial, settings=PIPES) == share
         elsewhere.append(followed(Driver(playback, PIPES), trial, SEED + 1, PIPES))
 
     assert np.mean(elsewhere) < 0.3 * np.mean(seen)
 
 
-def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program() -> None:
+def test_a_built_in_controller_scores_what_the_same_controller_scores_as_a_program(
+    followers: list[tuple[Driver, float]],
+) -> None:
     config = CONFIG.for_trial(0)
 
-    assert followed(BuiltIn("los", config, task="track", route=True), 0) == followed(
-        controller(LineOfSight, 0), 0
-    )
+    assert followed(BuiltIn("los", config, task="track", route=True), 0) == followers[0][1]

@@ -1,6 +1,7 @@
 """Programs that do not turn the valve with a hand stay at the bottom of valve-v1."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -99,18 +100,21 @@ class ByDvl(Scripted):
             self.handle = yaw + 0.5 * np.pi
 
 
-def driver_of(controller: Any) -> Driver:
-    return Driver(controller, CONFIG)
-
-
 def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
     """Return the rows of a level."""
     return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
 
 
-def attempts_of(cheat: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+@cache  # several tests compare with the same
+def attempt_of(kind: Callable[[Any], Any], trial: int) -> tuple[Driver, NDArray[np.float64]]:
+    """Return who drove a level, and the rows of it."""
+    driver = Driver(kind(CONFIG.for_program()), CONFIG)
+    return driver, rows_of(driver, trial)
+
+
+def attempts_of(kind: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
     """Return the rows of a level of each trial."""
-    return [rows_of(driver_of(cheat(CONFIG.for_program())), trial) for trial in TRIALS]
+    return [attempt_of(kind, trial)[1] for trial in TRIALS]
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -152,23 +156,24 @@ def test_who_flies_by_the_dvl_alone_does_not_find_the_handle() -> None:
 
 
 def test_holding_still_gives_nothing() -> None:
-    rows = rows_of(driver_of(Still()))
+    rows = rows_of(Driver(Still(), CONFIG))
 
     assert credit(rows) == 0.0
     assert rows[:, INDEX["contact_n"]].max() == 0.0
 
 
 def test_commands_that_turned_the_valve_once_turn_it_again_but_no_other() -> None:
-    honest = driver_of(Scripted(CONFIG.for_program()))
-    assert credit(rows_of(honest, 2)) == STAGES[-1].credit
-    assert credit(rows_of(driver_of(Playback(honest.commands)), 2)) == STAGES[-1].credit
+    honest, rows = attempt_of(Scripted, 2)
 
-    fresh = [
-        rows_of(driver_of(Playback(honest.commands)), trial, seed=SEED + 1) for trial in TRIALS
-    ]
+    def again(trial: int, seed: int = SEED) -> float:
+        return credit(rows_of(Driver(Playback(honest.commands), CONFIG), trial, seed=seed))
 
-    assert max(map(credit, fresh)) <= TOUCHED
+    assert credit(rows) == STAGES[-1].credit
+    assert again(2) == STAGES[-1].credit
+    assert max(again(trial, SEED + 1) for trial in TRIALS) <= TOUCHED
 
 
 def test_who_stops_looking_turns_less_than_who_looks_on() -> None:
-    assert sum(map(credit, attempts_of(Blind))) < 0.5 * sum(map(credit, attempts_of(Scripted)))
+    blind, seeing = (sum(map(credit, attempts_of(entry))) for entry in (Blind, Scripted))
+
+    assert blind < 0.5 * seeing
