@@ -31,6 +31,7 @@ from tests.sim.engine import test_arm_bits
 from tests.sim.multibody import test_bits
 from tests.sim.oldest_processor import OLDEST_PROCESSOR
 from tests.sim.physics import test_integration
+from tests.sim.physics.water_motion import test_bits as water_bits
 from tests.sim.sonar import test_images as sonar_images
 from tests.sim.trackers import test_upright_boxes
 from tests.sim.trackers.template import test_template
@@ -67,6 +68,7 @@ fleet.close()
 
 CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "camera/test_link_camera.py::test_points_are_shown_unless_something_is_before_them",
+    "camera/test_seabed.py",
     "camera/test_pictures.py::test_painted_pictures_are_the_same_bytes_everywhere",
     "control/test_allocation.py::test_it_finds_the_bounded_least_squares_solution_of_scipy",
     "control/test_reference_controllers.py::test_the_oracle_holds_station_within_a_centimetre",
@@ -76,6 +78,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "physics/test_contact.py::test_a_steady_force_of_fifty_newtons_reads_fifty_newtons",
     "engine/test_perception.py",
     "detectors/test_detectors.py::test_the_stored_looks_are_those_that_the_painter_paints",
+    "detectors/test_faces.py::test_letters_that_cannot_be_told_apart_are_no_evidence",
     "numerics/test_fourier.py",
     "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
     "physics/test_hydrodynamics.py",
@@ -91,7 +94,7 @@ def main() -> None:
             _collect,
             partial(_run, ENVIRONMENTS, {}),
             partial(_run, test_link_camera.PROGRAM, {}),
-            partial(_run, test_detectors.PROGRAM, {}),
+            partial(_run, test_detectors.PROGRAM, {}, *test_detectors.EVERY),
             partial(_run, MECHANISMS, {}),
             _call_alone,
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
@@ -100,15 +103,17 @@ def main() -> None:
             partial(_run, test_bottom.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, sonar_images.PROGRAM, {}),
             partial(_run, sonar_images.PROGRAM, OLDEST_PROCESSOR),
-            partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR, *test_detectors.QUICK),
             partial(_run, test_faces.PROGRAM, OLDEST_PROCESSOR),
-            partial(_run, test_network.BITS, OLDEST_PROCESSOR),
+            partial(_run, test_network.BITS_OF_PARTS, OLDEST_PROCESSOR),
             partial(_run, test_horizon.BITS, OLDEST_PROCESSOR),
             partial(_run, test_upright_boxes.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),
-            partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, test_arm_bits.PROGRAM, OLDEST_PROCESSOR, *test_arm_bits.RECOVER),
             partial(_run, track_bits.PROGRAM, OLDEST_PROCESSOR),
-            partial(_run, dock_bits.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, water_bits.PROGRAM, {}),
+            partial(_run, water_bits.PROGRAM, OLDEST_PROCESSOR),
+            partial(_run, dock_bits.PROGRAM, OLDEST_PROCESSOR, *dock_bits.CONTROLLERS[:1]),
         )
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             for done in [pool.submit(part) for part in parts]:

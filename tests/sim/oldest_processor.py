@@ -1,13 +1,17 @@
-"""Variables by which Numba compiles for the oldest x86-64, and glibc fuses no operations.
+"""What a program prints here and elsewhere, such as on the oldest x86-64.
 
-What is compiled for it is kept, as that for this processor is, but apart from that.
+There Numba compiles for it, and glibc fuses no operations. What is compiled for it is kept, as that
+for this processor is, but apart from that.
 """
 
+import io
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from pathlib import Path
+from unittest.mock import patch
 
 _KEPT = Path(__file__).parents[2] / ".pytest_cache" / "d" / "compiled-for-the-oldest-processor"
 OLDEST_PROCESSOR = {
@@ -20,13 +24,26 @@ OLDEST_PROCESSOR = {
 NUMPY_OLDEST = {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"}
 
 
-def printed(program: str, variables: Mapping[str, str], *options: str) -> str:
+def printed_here(program: str, *arguments: str) -> str:
+    """Return what a Python program prints in this process, which has loaded what it needs.
+
+    If another process prints the same, neither hashes nor what ran before have a part in it.
+    """
+    said = io.StringIO()
+    with redirect_stdout(said), patch.object(sys, "argv", ["-c", *arguments]):
+        exec(program, {"__name__": "__main__"})  # noqa: S102  our own
+    return said.getvalue()
+
+
+def printed(
+    program: str, variables: Mapping[str, str], *options: str, arguments: Sequence[str] = ()
+) -> str:
     """Return what a Python program prints in a process of its own, with these variables more."""
     done = subprocess.run(
-        [sys.executable, *options, "-c", program],
+        [sys.executable, *options, "-c", program, *arguments],
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, **variables},
+        env={**os.environ, "PYTHONHASHSEED": "1", **variables},
     )
     return done.stdout

@@ -1,8 +1,6 @@
 """The integration: its order, an independent reference, and the same bits everywhere."""
 
 import hashlib
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -15,7 +13,7 @@ from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.physics.dynamics import Span, integrate, integration_buffers
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import load
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -121,38 +119,12 @@ print(digest.hexdigest())
 
 
 @pytest.mark.slow
-def test_two_processes_give_the_same_bytes() -> None:
-    digests = []
-    for hash_seed in ("1", "2"):
-        done = subprocess.run(
-            [sys.executable, "-c", RUN],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=120,
-            env={"PYTHONHASHSEED": hash_seed, "PATH": "", "OMP_NUM_THREADS": hash_seed},
-        )
-        digests.append(done.stdout.strip())
+def test_another_process_on_another_processor_gives_the_same_bytes() -> None:
+    here = printed_here(RUN)
 
-    assert digests[0] == digests[1]
-    assert len(digests[0]) == len(hashlib.sha256().hexdigest())
-
-
-@pytest.mark.slow
-def test_another_processor_gives_the_same_bytes() -> None:
-    digests = []
-    for settings in ({}, OLDEST_PROCESSOR):
-        done = subprocess.run(
-            [sys.executable, "-c", RUN],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=240,
-            env={"PATH": "", **settings},
-        )
-        digests.append(done.stdout.strip())
-
-    assert digests[0] == digests[1]
+    elsewhere = {"OMP_NUM_THREADS": "1", **OLDEST_PROCESSOR}
+    assert here == printed(RUN, elsewhere)
+    assert len(here.strip()) == len(hashlib.sha256().hexdigest())
 
 
 @pytest.mark.slow

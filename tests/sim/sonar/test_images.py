@@ -12,7 +12,7 @@ from seamark.sim.sonar.device import Device
 from seamark.sim.sonar.display import fan_shape, in_colour, to_fan
 from seamark.sim.sonar.sonar import Sonar, pattern_of
 from seamark.sim.sonar.speckle import Fields, Receiver, receive
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed
+from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
 from tests.sim.sonar.scenes import HERE, solid, sonar
 
 BEAMS, BINS = 256, 400
@@ -118,7 +118,7 @@ def _three(looking: Sonar) -> list[bytes]:
 
 @pytest.mark.slow
 def test_images_have_the_same_bits_on_the_oldest_processor() -> None:
-    here = printed(PROGRAM, {})
+    here = printed_here(PROGRAM)
 
     assert len(set(here.split())) == 2
     assert here == printed(PROGRAM, {**OLDEST_PROCESSOR, **NUMPY_OLDEST})

@@ -23,7 +23,7 @@ from seamark.sim.control.manipulation.imitation.features import (
 )
 from seamark.sim.control.manipulation.imitation.layers import Layer, forward, load, save
 from seamark.sim.registry import benchmark
-from tests.sim.oldest_processor import NUMPY_OLDEST, printed
+from tests.sim.oldest_processor import NUMPY_OLDEST, printed, printed_here
 
 BITS = """
 import numpy as np
@@ -73,11 +73,9 @@ def test_the_network_adds_from_the_first_input_to_the_last() -> None:
 
 @pytest.mark.slow
 def test_the_network_has_the_same_bits_on_the_oldest_processor() -> None:
-    here, oldest = (
-        printed(BITS, variables, "-W", "error::ImportWarning") for variables in ({}, NUMPY_OLDEST)
-    )
+    here = printed_here(BITS)
 
-    assert here == oldest
+    assert here == printed(BITS, NUMPY_OLDEST, "-W", "error::ImportWarning")
     assert len(set(here.splitlines())) == 20
 
 

@@ -1,6 +1,5 @@
 """The template tracker on generated sequences with ground truth."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +12,7 @@ from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS
 from seamark.sim.trackers import make, option_errors
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR
+from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -221,32 +220,10 @@ def draw(folder: Path) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return draw(tmp_path_factory.mktemp("drawn"))
-
-
-def _said(drawn: Path, **environment: str) -> str:
-    return subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(drawn)],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=os.environ | environment,
-    ).stdout
-
-
-@pytest.fixture(scope="module")
-def said(drawn: Path) -> str:
-    return _said(drawn)
-
-
 @pytest.mark.slow
-def test_two_processes_track_to_the_same_bits(drawn: Path, said: str) -> None:
-    assert _said(drawn) == said
-    assert said.strip().endswith("True")
+def test_another_process_without_wide_vectors_tracks_to_the_same_bits(tmp_path: Path) -> None:
+    drawn = str(draw(tmp_path))
+    here = printed_here(PROGRAM, drawn)
 
-
-@pytest.mark.slow
-def test_a_processor_without_wide_vectors_tracks_to_the_same_bits(drawn: Path, said: str) -> None:
-    assert _said(drawn, **OLDEST_PROCESSOR) == said
+    assert here == printed(PROGRAM, OLDEST_PROCESSOR, arguments=[drawn])
+    assert here.strip().endswith("True")
