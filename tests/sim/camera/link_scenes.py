@@ -1,7 +1,7 @@
 """Scenes of bodies on links, and a slow renderer of them by other means, in double precision."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -69,6 +69,14 @@ def average(of: LinkCamera, links: Placed, frames: int = 64) -> Array:
     return np.mean([of.grey(links, k) for k in range(frames)], axis=0)
 
 
+def through(water: Water, depth: Array, slant: Array, light: Array) -> Array:
+    """Grey values seen through water; beyond the horizon is its veil."""
+    veil, c = 255.0 * water.veil[1], water.attenuation[1]
+    sky = np.isinf(depth)
+    path = {"beer": c * slant, "uwsim": (c * np.where(sky, 0.0, depth)) ** 2}[water.law]
+    return np.where(sky, veil, (light - veil) * np.exp(-path) + veil)
+
+
 @dataclass
 class SlowRenderer:
     """Ray-casts every sample of every pixel: seabed, planes of boxes, quadrics, balls."""
@@ -80,15 +88,24 @@ class SlowRenderer:
 
     def grey(self, links: Placed) -> Array:
         """Image (H, W) in grey levels, without noise and rounding."""
+        return self.greys(links, [self.water])[0]
+
+    def greys(self, links: Placed, waters: Sequence[Water]) -> list[Array]:
+        """Images of the same in several waters, for which rays are cast once."""
         v, u = (c.ravel().astype(float) for c in np.indices((OPTICS.height, OPTICS.width)))
-        n, total = self.samples, np.zeros(OPTICS.height * OPTICS.width)
+        n, totals = self.samples, np.zeros((len(waters), OPTICS.height * OPTICS.width))
         for k in range(n * n):
             du, dv = (k % n + 0.5) / n - 0.5, (k // n + 0.5) / n - 0.5
-            total += self.sampled(links, u + du, v + dv)
-        return (total / n**2).reshape(OPTICS.height, OPTICS.width)
+            cast = self.cast(links, u + du, v + dv)
+            totals += [through(water, *cast) for water in waters]
+        return list((totals / n**2).reshape(-1, OPTICS.height, OPTICS.width))
 
     def sampled(self, links: Placed, u: Array, v: Array) -> Array:
         """Grey values at image points."""
+        return through(self.water, *self.cast(links, u, v))
+
+    def cast(self, links: Placed, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Depth, distance along the ray, and grey value without water at image points."""
         turn, origin = links.rotation[0] @ EYE.turn, links.position[0]
         x = (u - OPTICS.principal_px[0]) / OPTICS.focal_px
         y = (v - OPTICS.principal_px[1]) / OPTICS.focal_px
@@ -107,12 +124,8 @@ class SlowRenderer:
             nearer = t < depth
             light = np.where(nearer, 255.0 * albedo * shade, light)
             depth = np.where(nearer, t, depth)
-        veil, c = 255.0 * self.water.veil[1], self.water.attenuation[1]
-        sky = np.isinf(depth)
-        depth = np.where(sky, 0.0, depth)
-        slant = depth * np.linalg.norm(rays, axis=0)
-        path = {"beer": c * slant, "uwsim": (c * depth) ** 2}[self.water.law]
-        return np.where(sky, veil, (light - veil) * np.exp(-path) + veil)
+        slant = np.where(np.isinf(depth), 0.0, depth) * np.linalg.norm(rays, axis=0)
+        return depth, slant, light
 
     def seabed(self, origin: Array, rays: Array) -> tuple[Array, Array]:
         """Depth, and grey value; infinite depth from the horizon upwards."""

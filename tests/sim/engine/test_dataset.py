@@ -21,6 +21,7 @@ from seamark.sim.settings.configuration import Configuration
 from seamark.sim.trackers import make
 
 SEED = 4
+EVERY = 13
 NAMES = [name for name in registry.BENCHMARKS if registry.benchmark(name).has_data_sets]
 
 
@@ -55,14 +56,35 @@ def test_a_trial_records_exactly_what_its_configuration_says(
     assert rows.shape == config.telemetry_shape()
 
 
-def _made(recorded: tuple[str, Configuration, Rows], choice: Selection) -> dict[str, bytes]:
+def _archived(recorded: tuple[str, Configuration, Rows], choice: Selection) -> bytes:
     name, config, rows = recorded
-    data = b"".join(archive(name, config, rows, seed=SEED, selection=choice))
+    return b"".join(archive(name, config, rows, seed=SEED, selection=choice))
+
+
+def _made(recorded: tuple[str, Configuration, Rows], choice: Selection) -> dict[str, bytes]:
+    return _unpacked(_archived(recorded, choice))
+
+
+def _unpacked(data: bytes) -> dict[str, bytes]:
     with zipfile.ZipFile(io.BytesIO(data)) as file:
         assert file.testzip() is None
         return {
             entry.removeprefix("seamark-dataset/"): file.read(entry) for entry in file.namelist()
         }
+
+
+SPARSE = Selection(every=EVERY)
+
+
+@pytest.fixture(scope="module")
+def archived(recorded: tuple[str, Configuration, Rows]) -> bytes:
+    """The data set of the trial with some of its pictures."""
+    return _archived(recorded, SPARSE)
+
+
+@pytest.fixture(scope="module")
+def files(archived: bytes) -> dict[str, bytes]:
+    return _unpacked(archived)
 
 
 def _table(files: dict[str, bytes], name: str = "groundtruth.csv") -> list[dict[str, str]]:
@@ -80,38 +102,34 @@ def _corners(line: dict[str, str]) -> NDArray[np.float64]:
 
 
 def test_every_picture_is_the_one_that_the_tracker_had(
-    recorded: tuple[str, Configuration, Rows],
+    recorded: tuple[str, Configuration, Rows], files: dict[str, bytes]
 ) -> None:
     name, config, rows = recorded
-    files = _made(recorded, Selection(every=7))
     camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=0)
     replay = Replay(name, config, lambda _trial: SEED)
 
-    assert len(_table(files)) == len(rows[::7])
-    for number, row in enumerate(rows[::7][:3]):
+    assert len(_table(files)) == len(rows[::EVERY])
+    for number, row in enumerate(rows[::EVERY][:3]):
         stored = cv2.imdecode(
             np.frombuffer(files[f"images/{number:06d}.png"], np.uint8), cv2.IMREAD_UNCHANGED
         )
-        assert np.array_equal(stored, camera.grey(replay.frame(row).motion, 7 * number))
+        assert np.array_equal(stored, camera.grey(replay.frame(row).motion, EVERY * number))
 
 
 def test_the_true_corners_are_those_of_the_camera(
-    recorded: tuple[str, Configuration, Rows],
+    recorded: tuple[str, Configuration, Rows], files: dict[str, bytes]
 ) -> None:
     name, config, rows = recorded
-    table = _table(_made(recorded, Selection(every=11)))
+    table = _table(files)
     replay = Replay(name, config, lambda _trial: SEED)
 
-    for line, row in zip(table, rows[::11], strict=True):
+    for line, row in zip(table, rows[::EVERY], strict=True):
         corners = [float(line[f"corner_{axis}{at}"]) for at in range(4) for axis in "uv"]
         assert corners == replay.frame(row).corners().ravel().tolist()
         assert float(line["x"]) == row[INDEX["x"]]
 
 
-def test_intrinsics_and_pose_project_the_target_onto_its_corners(
-    recorded: tuple[str, Configuration, Rows],
-) -> None:
-    files = _made(recorded, Selection(every=13))
+def test_intrinsics_and_pose_project_the_target_onto_its_corners(files: dict[str, bytes]) -> None:
     camera = json.loads(files["camera.json"])
     focal, target = camera["optics"]["focal_px"], camera["target"]
     first = _table(files)[0]
@@ -128,15 +146,9 @@ def test_intrinsics_and_pose_project_the_target_onto_its_corners(
 
 @pytest.mark.slow
 def test_the_same_configuration_and_seed_give_the_same_bytes(
-    recorded: tuple[str, Configuration, Rows],
+    recorded: tuple[str, Configuration, Rows], archived: bytes
 ) -> None:
-    name, config, rows = recorded
-    first, second = (
-        b"".join(archive(name, config, rows, seed=SEED, selection=Selection(every=20)))
-        for _ in range(2)
-    )
-
-    assert first == second
+    assert _archived(recorded, SPARSE) == archived
 
 
 @pytest.mark.slow
@@ -222,8 +234,8 @@ def test_the_readme_says_which_command_makes_the_same_again() -> None:
     assert Selection().options(0) == ""
 
 
-def test_the_readme_names_every_column(recorded: tuple[str, Configuration, Rows]) -> None:
-    text = _made(recorded, Selection(every=50))["README.md"].decode()
+def test_the_readme_names_every_column(files: dict[str, bytes]) -> None:
+    text = files["README.md"].decode()
 
     ranges = {f"corner_{axis}{at}" for axis in "uv" for at in range(4)}
     assert {

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from seamark.sim.benchmarks.patterns_v1.experiment import EXPERIMENT
@@ -108,6 +108,7 @@ def test_the_conditions_of_a_level_do_not_depend_on_how_many_levels_there_are(se
 
 
 @pytest.mark.slow
+@settings(max_examples=30)
 @given(seed=seeds, level=st.integers(0, 6))
 def test_objects_of_every_class_pass_by_in_every_level(seed: int, level: int) -> None:
     config = ENTRY.read({})

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from performance.statistics.visibility_attacks import Playback, Remembering, stored_paths
@@ -88,6 +88,7 @@ def test_the_motion_axis_has_a_path_of_its_own_which_only_changes_its_speed() ->
 
 
 @pytest.mark.slow
+@settings(max_examples=20)
 @given(seed=seeds, motion_px=st.sampled_from([2.0, 10.0]))
 def test_the_corners_move_by_the_motion_of_the_level_on_average(seed, motion_px) -> None:
     config = ENTRY.read({})
@@ -133,6 +134,7 @@ def test_the_target_stays_in_the_image_wherever_and_however_it_lies(seed, trial)
 
 
 @pytest.mark.slow
+@settings(max_examples=15)
 @given(seed=seeds)
 def test_what_is_drawn_depends_on_seed_and_trial_but_not_on_the_levels(seed) -> None:
     config, other = ENTRY.read({}), ENTRY.read(SHORT)
