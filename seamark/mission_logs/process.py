@@ -30,12 +30,12 @@ def main() -> None:
     """Answer one request."""
     limit()
     request = json.loads(sys.stdin.buffer.readline())
-    sys.stdout.buffer.write(json.dumps(answer_to(request), allow_nan=False).encode() + b"\n")
+    answer = _answer(request)
+    sys.stdout.buffer.write(json.dumps(answer, allow_nan=False).encode() + b"\n")
     sys.stdout.buffer.flush()
 
 
-def answer_to(request: dict[str, Any]) -> dict[str, Any]:
-    """Return the answer to a request, and write the rows."""
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
     try:
         mapping = _mapping(request["mapping"])
         benchmark = request["benchmark"] or mapping.benchmark or DEFAULT_BENCHMARK

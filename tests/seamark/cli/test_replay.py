@@ -11,10 +11,6 @@ from mcap.reader import make_reader
 
 from seamark.cli.main import cli
 from seamark.formats.registry import FORMATS
-from seamark.mission_logs import limited
-from seamark.mission_logs.mapping import LogMapping
-from seamark.mission_logs.measuring import measure
-from seamark.mission_logs.result import LogResult
 from seamark.sim.registry import DEFAULT_BENCHMARK
 from tests import telemetry_csv
 
@@ -26,21 +22,6 @@ SETTINGS = (*OF_V1, "--set", "levels=0,0.3", "--set", "settle_s=1")
 
 def seamark(*arguments: str | Path) -> Result:
     return CliRunner().invoke(cli, list(map(str, arguments)), prog_name="seamark")
-
-
-def measure_here(
-    log: Path, mapping: LogMapping | str, *, benchmark: str, folder: Path
-) -> LogResult:
-    """Return what `measure_limited` does, without its process."""
-    assert isinstance(mapping, LogMapping)
-    assert folder.is_dir()
-    return measure(log, mapping, benchmark=benchmark)
-
-
-@pytest.fixture
-def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Measure logs here: to start the process that reads them takes a second each time."""
-    monkeypatch.setattr(limited, "measure_limited", measure_here)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +60,6 @@ def test_plots_and_comparisons_read_it_beside_a_run(results: Path, replayed: Pat
     assert kinds["values"] == ["log", "practice"]
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_what_was_not_measured_is_named(replayed: Path, tmp_path: Path) -> None:
     lines = [
         line
@@ -97,7 +77,6 @@ def test_what_was_not_measured_is_named(replayed: Path, tmp_path: Path) -> None:
     assert metrics["levels"][0]["points"] is metrics["score"] is None
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_a_log_is_measured_by_the_default_benchmark_unless_another_is_named(tmp_path: Path) -> None:
     lines = [f"{0.05 * at:.2f},0,0,3,0,0,0" for at in range(40)]
     (tmp_path / "poses.csv").write_text("\n".join(["t,x,y,z,roll,pitch,yaw", *lines]) + "\n")
@@ -134,7 +113,6 @@ def test_the_result_of_a_log_is_exported_in_each_format(
     assert (tmp_path / "mission").stat().st_size > 10_000
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_an_exported_log_has_its_values_and_images_where_it_has_a_pose(
     replayed: Path, tmp_path: Path
 ) -> None:
@@ -176,7 +154,6 @@ def test_the_archive_of_a_log_says_that_it_cannot_be_computed_again(
     assert "seamark rerun" not in readme
 
 
-@pytest.mark.usefixtures("in_this_process")
 def test_what_was_guessed_is_printed_as_a_mapping_that_says_the_same(
     replayed: Path, tmp_path: Path
 ) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from seamark.mission_logs import csv_log, limited, process
+from seamark.mission_logs import csv_log, limited
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.result import LogRefused
@@ -148,12 +148,11 @@ def test_the_benchmark_is_that_of_the_mapping_unless_another_is_named(tmp_path: 
     text = 'benchmark = "currents-v2"\nsettings = { settle_s = 0.0 }'
 
     mapped = limited.measure_limited(path, text, benchmark="", folder=tmp_path)
-    request = {"path": str(path), "mapping": text, "rows": str(tmp_path / "rows")}
-    named = process.answer_to(request | {"benchmark": "currents-v1"})
-    refused = process.answer_to(request | {"mapping": 'benchmark = "no"', "benchmark": ""})
+    named = limited.measure_limited(path, text, benchmark="currents-v1", folder=tmp_path)
+    with pytest.raises(LogRefused, match="not by 'no'"):
+        limited.measure_limited(path, 'benchmark = "no"', benchmark="", folder=tmp_path)
 
-    assert (mapped.benchmark, named["benchmark"]) == ("currents-v2", "currents-v1")
-    assert "not by 'no'" in refused["refused"]
+    assert (mapped.benchmark, named.benchmark) == ("currents-v2", "currents-v1")
 
 
 @pytest.mark.slow
