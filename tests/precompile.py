@@ -66,6 +66,12 @@ fleet.advance(1, np.zeros((1, 8)), np.zeros((1, 5)))
 fleet.close()
 """
 
+IDENTIFICATION = """
+from performance.statistics.identification.coverage import held
+
+held(1000, seconds=12.0)
+"""
+
 CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "camera/test_link_camera.py::test_points_are_shown_unless_something_is_before_them",
     "camera/test_seabed.py",
@@ -96,6 +102,7 @@ def main() -> None:
             partial(_run, test_link_camera.PROGRAM, {}),
             partial(_run, test_detectors.PROGRAM, {}, *test_detectors.EVERY),
             partial(_run, MECHANISMS, {}),
+            partial(_run, IDENTIFICATION, {}),
             _call_alone,
             partial(_run, test_template.PROGRAM, OLDEST_PROCESSOR, str(images)),
             partial(_run, test_bits.SCENES, OLDEST_PROCESSOR),
