@@ -15,8 +15,10 @@ from types import SimpleNamespace
 import numpy as np
 import onnx
 import pytest
+from click.testing import CliRunner
 from onnx import TensorProto, helper, numpy_helper
 
+from seamark.cli.main import cli
 from seamark.sandbox.languages.python.host import OPTIONAL
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +73,7 @@ def test_the_extra_has_what_boxes_have_beside_the_packages_of_the_simulator() ->
 def test_a_program_that_needs_the_extra_is_told_how_to_install_it(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(PROGRAM)
 
+    # A process that looked for packages before would not look again.
     done = subprocess.run(
         [sys.executable, "-c", ABSENT, "check", "mine.py"],
         cwd=tmp_path,
@@ -101,19 +104,17 @@ def test_the_controller_of_the_example_gives_what_its_network_computes(
 
 
 @pytest.mark.slow
-def test_the_archive_of_the_example_runs_in_the_sandbox(tmp_path: Path) -> None:
+def test_the_archive_of_the_example_runs_in_the_sandbox(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     runpy.run_path(str(EXAMPLE))["pack"](_network()[0], tmp_path / "packed.zip")
-    command = ["run", "currents-v1", "--controller", "packed.zip", *SHORT, "--json"]
 
-    done = subprocess.run(
-        [sys.executable, "-m", "seamark.cli.main", *command],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
+    done = CliRunner().invoke(
+        cli, ["run", "currents-v1", "--controller", "packed.zip", *SHORT, "--json"]
     )
 
-    assert done.returncode == 0, done.stderr
+    assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)["verdict"] == "ok"
 
 

@@ -50,7 +50,7 @@ def test_intervals_do_not_depend_on_the_step_of_the_derivatives(
     vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In this log the error of a coarse step looks like information: the interval shrinks."""
-    series = series_of(log_of(vehicle, 1006, seconds=25.0), vehicle)
+    series = series_of(log_of(vehicle, 1006, seconds=10.0), vehicle)
     widths = {}
     for step in (fit_module._CENTRAL_STEP, 1e-6, 1e-4):
         monkeypatch.setattr(fit_module, "_CENTRAL_STEP", step)
