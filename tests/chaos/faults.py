@@ -20,7 +20,7 @@ from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker
 from seamark.server.runs.queue import queue
 from seamark.server.runs.record.states import LIVE, RunState
-from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
+from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, Installation
 from tests.services.faulty_s3 import Behaviour
 
 Fault = Callable[[Installation, Generator], None]
@@ -65,12 +65,12 @@ def kill_check_process(service: Installation, chance: Generator) -> None:
 
 def kill_web_server(service: Installation, chance: Generator) -> None:
     """SIGKILL of one of the web servers."""
-    service.restart_web_server(int(chance.integers(WORKERS)), signal.SIGKILL)
+    service.restart_web_server(_web_server(service, chance), signal.SIGKILL)
 
 
 def stop_web_server(service: Installation, chance: Generator) -> None:
     """SIGTERM of one of the web servers, which is then replaced."""
-    service.restart_web_server(int(chance.integers(WORKERS)), signal.SIGTERM)
+    service.restart_web_server(_web_server(service, chance), signal.SIGTERM)
 
 
 def kill_broker(service: Installation, chance: Generator) -> None:
@@ -207,6 +207,10 @@ OBJECT_FAULTS: Mapping[str, Fault] = {
     "object storage answers errors": fail_objects,
     "object storage hangs": hang_objects,
 }
+
+
+def _web_server(service: Installation, chance: Generator) -> int:
+    return int(chance.integers(len(service.web_servers)))
 
 
 def _disturb_objects(service: Installation, behaviour: Behaviour, seconds: float) -> None:

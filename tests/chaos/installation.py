@@ -30,7 +30,7 @@ ZYGOTE = "seamark.worker.zygote.process"
 CHECK_LOOP = "seamark.worker.service.check_loop"
 MAINTENANCE = "seamark.worker.service.maintenance"
 RELEASES = ("run_released", "run_not_evaluated", "evaluation_broke", "storage_failed")
-WORKERS = WEB_SERVERS = 2
+COPIES = 2  # of a worker and of a web server
 START_S = 240.0
 QUOTAS = {"quota_live": 10_000, "quota_day": 100_000, "quota_bytes": 10**12}
 
@@ -63,7 +63,7 @@ class Broker:
 
 
 class Installation:
-    """Two workers, two web servers, a broker and PostgreSQL."""
+    """Some workers, as many web servers, a broker and PostgreSQL."""
 
     def __init__(
         self,
@@ -73,6 +73,7 @@ class Installation:
         *,
         service: Callable[[Settings], Service] = service_with,
         objects: FaultyS3 | None = None,
+        copies: int = COPIES,
         **settings: Any,
     ):
         self.objects = objects
@@ -86,9 +87,9 @@ class Installation:
         )
         self.service = service(self.settings)
         self.log = (folder / "log").open("ab")
-        self.ports = [free_port() for _ in range(WEB_SERVERS)]
+        self.ports = [free_port() for _ in range(copies)]
         self.web_servers = [self._web_server(port) for port in self.ports]
-        self.workers = [self._worker() for _ in range(WORKERS)]
+        self.workers = [self._worker() for _ in range(copies)]
 
     def _worker(self) -> "subprocess.Popen[bytes]":
         return self._start("worker")
@@ -122,7 +123,7 @@ class Installation:
     def ready_worker(self, chance: Generator) -> int:
         """Return one of the workers, as soon as all of them can evaluate runs."""
         wait_until(self.evaluates)
-        return int(chance.integers(WORKERS))
+        return int(chance.integers(len(self.workers)))
 
     @staticmethod
     def processes(worker: int, module: str) -> list[int]:

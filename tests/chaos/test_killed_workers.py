@@ -51,6 +51,7 @@ def _killed_in_the_middle(service: Service) -> None:
     assert service.files(run_id).attempts() == [2]  # nothing is left of the dead one
 
 
+@pytest.mark.long  # with SQLite, test_killed_parts.py kills parts of a worker in all suites
 def test_a_run_whose_worker_was_killed_finishes_once(service: Service) -> None:
     _killed_in_the_middle(service)
 
