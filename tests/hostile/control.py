@@ -9,6 +9,7 @@ import contextlib
 import json
 import os
 import re
+import select
 import shutil
 import socket
 import subprocess
@@ -33,6 +34,7 @@ RUNNERS = (
 HEADER = Path(c_family.__file__).with_name("seamark.h")
 BOUNDS = Limits(cpu_s=60.0, wall_s=60.0, memory_mib=640, processes=100)
 ENDS_AFTER_S = 60.0  # [s] what was to be seen by then was not
+LOOKS_EVERY_MS = 30  # at what a program takes, while it prints nothing
 WAITS_S = 1.5  # [s] with less than that much CPU time, longer than any limit of an answer
 
 
@@ -120,16 +122,14 @@ def outside(case: Case, limits: Limits, folder: Path, machines: socket.socket) -
 
 def watch(reading: int, seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
     """Read and measure until what is wanted is seen, or nothing follows."""
-    os.set_blocking(reading, False)
+    poll = select.poll()
+    poll.register(reading, select.POLLIN)
     printed = 0
     until = time.monotonic() + ENDS_AFTER_S
     while time.monotonic() < until and not wanted.search(seen.text):
-        try:
+        data = b" "
+        if poll.poll(LOOKS_EVERY_MS):
             data = os.read(reading, 1 << 20)
-        except BlockingIOError:
-            data = b" "
-            time.sleep(0.01)
-        else:
             printed += len(data)
             seen.text = (seen.text + data.decode("utf-8", "replace"))[-100_000:]
         calls = seen.text.count("CALLER: calls") or int(printed > 10_000)
