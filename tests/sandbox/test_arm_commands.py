@@ -11,11 +11,11 @@ from seamark.sandbox.languages.fmu.inside.description import read
 from seamark.sandbox.languages.fmu.inside.wiring import wired
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol import answers, messages
 from seamark.sandbox.protocol.messages import MessageInvalid
 from tests.sandbox.conftest import LAYOUT, VALUES, program
 from tests.sandbox.languages.fmu.test_fmu import ENOUGH, fmu, scalar
+from tests.services.languages import skip_without
 
 JOINTS = {"command": [*LAYOUT["command"], "shoulder", "elbow"], "joint_limits": [0.5, 0.25]}
 WITH_ARM = LAYOUT | JOINTS
@@ -35,14 +35,9 @@ def source(language: str, shoulder: str, elbow: str) -> bytes:
     return (MATLAB % f", {shoulder}, {elbow}").encode()
 
 
-def ready(language: str, isolation: IsolationLevel) -> None:
-    if why := tried(language, isolation).why_not:
-        pytest.skip(why)
-
-
 def commanded(language: str, isolation: IsolationLevel, text: bytes) -> tuple[float, ...] | Outcome:
     """The command that a program gives in one step, or how it ended."""
-    ready(language, isolation)
+    skip_without(language, isolation)
     limits, name = Limits(), {"python": "a.py", "c": "a.c", "matlab": "a.m"}[language]
     if language == "c":
         text = compiled(language, text, name, isolation=isolation)

@@ -16,8 +16,8 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
-from seamark.sandbox.probing.self_test import tried
 from tests.sandbox.conftest import LAYOUT, VALUES, program
+from tests.services.languages import skip_without
 
 pytestmark = pytest.mark.host
 
@@ -56,8 +56,7 @@ DICE = {"clock", "random", "inode"}
 def test_a_program_does_not_learn_what_its_owner_calls_it(
     language: str, source: bytes, isolation: IsolationLevel
 ) -> None:
-    if why := tried(language, isolation).why_not:
-        pytest.skip(why)
+    skip_without(language, isolation)
     suffix = LANGUAGES[language].suffixes[0]
 
     one, other = (_printed(language, source, f"{name}{suffix}", isolation) for name in "ab")

@@ -12,10 +12,10 @@ from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.sandbox.languages.language import DETECTOR
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Detection
 from tests.sandbox.languages import bottoms
 from tests.sandbox.languages.bottoms import Image, overlap
+from tests.services.languages import skip_without
 
 pytestmark = pytest.mark.host
 
@@ -35,11 +35,6 @@ def name_of(value: object) -> str:
 
 
 @cache
-def missing(language: str, isolation: IsolationLevel) -> str:
-    return tried(language, isolation).why_not
-
-
-@cache
 def program(language: str, source: bytes, name: str, isolation: IsolationLevel) -> bytes:
     return compiled(LANGUAGES[language].sample_compiler, source, name, isolation=isolation)
 
@@ -48,8 +43,7 @@ def found_in(
     images: list[Image], language: str, sample: Sample, isolation: IsolationLevel
 ) -> list[list[Detection]]:
     """Return what a detector finds in images, one after the other in one box."""
-    if why := missing(language, isolation):
-        pytest.skip(why)
+    skip_without(language, isolation)
     source = program(language, sample.upload(), sample.upload_name, isolation)
     with Box(language, limits=Limits(), isolation=isolation) as box:
         box.load(source, sample.upload_name, {}, {"role": DETECTOR})

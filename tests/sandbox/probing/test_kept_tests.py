@@ -12,7 +12,7 @@ import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
-from seamark.sandbox.languages.language import Language
+from seamark.sandbox.languages.language import ALL_ROLES, Language
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.probing import kept_tests
 from seamark.sandbox.probing.kept_tests import KeptTests, state_of
@@ -38,7 +38,7 @@ def language(compiler: Path, monkeypatch: pytest.MonkeyPatch) -> Language:
         return replace(known, mounts=(*known.mounts, BindMount(compiler.parent, "/box/tools")))
 
     python = LANGUAGES["python"]
-    added = replace(python, runtime=runtime)
+    added = replace(python, runtime=runtime, roles=python.roles[:1])  # each is tested in a box
     for path in (compiler, compiler.parent, *compiler.parents):  # boxes have to enter it
         if path.stat().st_uid == os.geteuid() and path != Path("/"):
             path.chmod(path.stat().st_mode | 0o555)
@@ -142,9 +142,11 @@ def test_a_language_is_tested_again_on_another_day_and_with_other_self_tests(
     file.write_text(json.dumps(old | {"tested_at": time.time() - kept_tests.KEPT_S}))
     next_day = is_kept(result())
     mark(tmp_path / "kept")
-    monkeypatch.setitem(LANGUAGES, "python", replace(language, roles=language.roles[:1]))
+    more = replace(language, roles=ALL_ROLES[:2])
+    monkeypatch.setitem(LANGUAGES, "python", more)
     changed = is_kept(result())
 
+    assert len(more.roles) > len(language.roles)
     assert (kept, next_day, changed) == (True, False, False)
 
 

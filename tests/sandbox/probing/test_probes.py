@@ -47,7 +47,7 @@ REPORT = """
     strong = found.level.name == "STRONG"
     report["groups"] = str(cgroup_parents.parent_groups().memory) if strong else ""
     for name, source in json.loads(SOURCES).items():
-        with Box(limits=Limits(cpu_s=2.0, memory_mib=192), isolation=found.level) as one:
+        with Box(limits=Limits(cpu_s=1.0, memory_mib=192), isolation=found.level) as one:
             try:
                 one.load(source.encode(), "a.py", {}, LAYOUT)
                 one.step([0.0, 0.1, 0.2, 0.3])

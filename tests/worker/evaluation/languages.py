@@ -4,14 +4,12 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-import pytest
-
 from seamark.programs import preparation
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.sample import Sample
-from seamark.sandbox.probing.self_test import tried
 from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
+from tests.services.languages import skip_without
 
 
 def built(starter: Sample, folder: Path) -> tuple[bytes, str]:
@@ -37,8 +35,7 @@ def evaluated(
 ) -> RunOutcome:
     """Evaluate a controller; skips the test where its language does not run."""
     program = preparation.prepare(content, name, role="controller")
-    if why := tried(program.language, isolation).why_not:
-        pytest.skip(why)
+    skip_without(program.language, isolation)
     return evaluate_locally(
         *(benchmark, config),
         seed=3,

@@ -16,8 +16,8 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.fmu import FMU
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.self_test import tried
 from tests.sandbox import host_compiler
+from tests.services.languages import skip_without
 
 DT_S = 0.05
 STEPS = 20
@@ -89,8 +89,7 @@ def test_fmpy_finds_no_problem_in_it(name, tmp_path) -> None:
 @pytest.mark.host
 @pytest.mark.parametrize("name", ["fmi2", "fmi3", "template"])
 def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path, isolation) -> None:
-    if why := tried("fmu", isolation).why_not:
-        pytest.skip(why)
+    skip_without("fmu", isolation)
     program = fmu(name, tmp_path)
     path = tmp_path / "mine.fmu"
     path.write_bytes(program)

@@ -8,9 +8,9 @@ import pytest
 
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.probing.self_test import tried
 from seamark.worker.ipc.outcomes import RunOutcome
 from tests.sandbox import host_compiler
+from tests.services.languages import skip_without
 from tests.worker.evaluation.languages import evaluated
 
 pytestmark = pytest.mark.host
@@ -124,8 +124,7 @@ def test_a_program_steers_by_its_images_in_every_language_to_the_same_bits(
 
 
 def test_an_executable_is_given_the_same_images(isolation: IsolationLevel) -> None:
-    if why := tried("c", isolation).why_not:
-        pytest.skip(why)
+    skip_without("c", isolation)
     content = compiled("c", PROGRAMS["controller.c"], "controller.c", isolation=isolation)
 
     outcome = run(content, "controller.elf", isolation)

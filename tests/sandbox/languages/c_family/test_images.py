@@ -11,8 +11,8 @@ from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Loss
+from tests.services.languages import skip_without
 
 pytestmark = pytest.mark.host
 
@@ -96,8 +96,7 @@ Started = Callable[..., Box]
 
 @pytest.fixture(scope="module")
 def program(isolation: IsolationLevel) -> bytes:
-    if why := tried("c", isolation).why_not:
-        pytest.skip(why)
+    skip_without("c", isolation)
     return compiled("c", PROGRAM.encode(), "mine.c", isolation=isolation)
 
 

@@ -12,8 +12,8 @@ from seamark.sandbox.languages.c_family import C
 from seamark.sandbox.languages.executable import ELF_HEADER, refusal
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import tried
 from tests.hostile.conftest import LAYOUT
+from tests.services.languages import skip_without
 
 
 def elf(*, bits: int = 2, machine: int = 62, kind: int = 2, order: int = 1) -> bytes:
@@ -37,8 +37,7 @@ CASES = [
 
 @pytest.fixture(scope="module")
 def executables(isolation: IsolationLevel) -> IsolationLevel:
-    if why := tried("executable", isolation).why_not:
-        pytest.skip(why)
+    skip_without("executable", isolation)
     return isolation
 
 

@@ -7,9 +7,9 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Detection, Loss
 from tests.sandbox.host_compiler import zipped
+from tests.services.languages import skip_without
 
 pytestmark = pytest.mark.host
 
@@ -46,8 +46,7 @@ end
 
 @pytest.fixture(scope="module")
 def octave(isolation: IsolationLevel) -> IsolationLevel:
-    if why := tried("matlab", isolation).why_not:
-        pytest.skip(why)
+    skip_without("matlab", isolation)
     return isolation
 
 

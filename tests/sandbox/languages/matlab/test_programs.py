@@ -16,9 +16,9 @@ from seamark.sandbox.languages.matlab import host
 from seamark.sandbox.languages.matlab.inside.relay import octave_value
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
-from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.runtime import BindMount, alternatives
 from tests.sandbox.host_compiler import zipped
+from tests.services.languages import skip_without
 
 LAYOUT = {
     "observation": [["t", 0], ["new_field", 2], ["error", 3], ["target_visible", 0]],
@@ -54,8 +54,7 @@ def test_every_library_that_is_linked_through_etc_is_in_the_box(tmp_path: Path) 
 
 @pytest.fixture(scope="module")
 def octave(isolation: IsolationLevel) -> IsolationLevel:
-    if why := tried("matlab", isolation).why_not:
-        pytest.skip(why)
+    skip_without("matlab", isolation)
     return isolation
 
 
