@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -18,8 +17,8 @@ from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.languages.language import CONTROLLER, DETECTOR, TRACKER
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import tried
 from tests.hostile.corpus import Case, case
+from tests.services.languages import skip_without
 
 STEPS, IMAGES = 20, 6
 LAYOUT = {
@@ -29,7 +28,7 @@ LAYOUT = {
 }
 CORNERS = [[10.0, 20.0], [30.0, 20.0], [30.0, 40.0], [10.0, 40.0]]
 LIMITS = Limits(
-    cpu_s=0.3,  # dozens of programs really use it up
+    cpu_s=0.2,  # dozens of programs really use it up
     wall_s=20.0,
     start_wall_s=5.0,
     step_wall_s=0.7,
@@ -45,7 +44,7 @@ LONG_WAITS = replace(LIMITS, cpu_s=5.0, start_wall_s=20.0, step_wall_s=10.0)
 # For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
 SHORT_WAITS = replace(LIMITS, start_wall_s=2.0)
 MEMORY_MIB = {"matlab": 256}  # Octave has 180 MiB of address space by itself
-COMPILER = replace(COMPILING, cpu_s=2.0)  # the bombs would use up any limit
+COMPILER = replace(COMPILING, cpu_s=1.2)  # the bombs would use up any limit
 
 
 class Ended(NamedTuple):
@@ -65,8 +64,7 @@ def run_case(isolation: IsolationLevel) -> Run:
     def run_one(
         program: Case, *, at: IsolationLevel = isolation, limits: Limits | None = None
     ) -> Ended:
-        if why := missing(program.language, isolation):
-            pytest.skip(why)
+        skip_without(program.language, isolation)
         name, source = program.upload
         answers: list[object] = []
         try:
@@ -102,11 +100,6 @@ def run(isolation: IsolationLevel) -> Callable[..., Outcome]:
                 return end.outcome
 
     return run_one
-
-
-@cache
-def missing(language: str, isolation: IsolationLevel) -> str:
-    return tried(language, isolation).why_not
 
 
 def limits_for(program: Case) -> Limits:

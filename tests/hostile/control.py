@@ -35,6 +35,7 @@ HEADER = Path(c_family.__file__).with_name("seamark.h")
 BOUNDS = Limits(cpu_s=60.0, wall_s=60.0, memory_mib=640, processes=100)
 ENDS_AFTER_S = 60.0  # [s] what was to be seen by then was not
 LOOKS_EVERY_MS = 30  # at what a program takes, while it prints nothing
+KILLED_WITHIN_MS = 1000
 WAITS_S = 1.5  # [s] with less than that much CPU time, longer than any limit of an answer
 
 
@@ -114,6 +115,8 @@ def outside(case: Case, limits: Limits, folder: Path, machines: socket.socket) -
             socket.send_fds(machines, [json.dumps(message).encode()], [writing])
             os.close(writing)
             watch(reading, seen, Excess(group, limits), re.compile(case.expected["outside"]))
+            group.kill()
+            wait_for_the_end(reading)
     finally:
         group.kill()
         group.remove()
@@ -137,6 +140,14 @@ def watch(reading: int, seen: Seen, excess: Excess, wanted: re.Pattern) -> None:
             seen.note(note)
         if not data:
             return
+
+
+def wait_for_the_end(reading: int) -> None:
+    """Wait until all processes that print have ended: removing the group would ask 20 times."""
+    poll = select.poll()
+    poll.register(reading, select.POLLIN)
+    while poll.poll(KILLED_WITHIN_MS) and os.read(reading, 1 << 20):
+        pass
 
 
 def command_of(case: Case, attack: Path) -> list[str]:
