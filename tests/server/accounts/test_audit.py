@@ -34,15 +34,15 @@ def test_pages_of_the_log_have_each_matching_entry_once(both: Backend) -> None:
     assert seen == [9, 8, 7, 3, 2, 1]
 
 
-def test_an_entry_is_not_written_without_what_it_tells(both: Backend) -> None:
+def test_an_entry_is_not_written_without_what_it_tells(backend: Backend) -> None:
     try:
-        with both.database.writing() as session:
+        with backend.database.writing() as session:
             audit.record(session, ROOT, AuditAction.ROLE_CHANGED, "ann")
             raise RuntimeError
     except RuntimeError:
         pass
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert audit.page(session, AuditFilter()).entries == []
 
 

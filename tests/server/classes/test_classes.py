@@ -34,14 +34,14 @@ def teachers_page(both: Backend, class_id: int, assignment: int) -> list[PupilPr
         return progress.page(session, class_id, assignment)
 
 
-def test_a_pupil_joins_by_the_code_however_it_is_written(both: Backend) -> None:
-    class_id = classroom(both)
-    with both.database.writing() as session:
+def test_a_pupil_joins_by_the_code_however_it_is_written(backend: Backend) -> None:
+    class_id = classroom(backend)
+    with backend.database.writing() as session:
         found = classrooms.find(session, class_id)
         assert found is not None
         read_out = f" {found.code.replace('0', 'o').replace('1', 'l').lower()} "
-        joined = classrooms.join(session, both.user_id("ann"), read_out)
-        again = classrooms.join(session, both.user_id("ann"), found.code)
+        joined = classrooms.join(session, backend.user_id("ann"), read_out)
+        again = classrooms.join(session, backend.user_id("ann"), found.code)
         pupils = [pupil.name for pupil in classrooms.pupils(session, class_id)]
 
     assert (joined, again, pupils) == (class_id, class_id, ["ann"])
@@ -62,11 +62,11 @@ def test_nobody_joins_with_an_old_code_or_an_archived_class(both: Backend) -> No
             classrooms.join(session, both.user_id("ann"), renewed.code)
 
 
-def test_a_run_for_an_assignment_has_its_settings_seed_and_trials(both: Backend) -> None:
-    room = classroom(both, "ann")
-    assignment = assign(both, room, config=SHORT, seed=5, trials=2)
+def test_a_run_for_an_assignment_has_its_settings_seed_and_trials(backend: Backend) -> None:
+    room = classroom(backend, "ann")
+    assignment = assign(backend, room, config=SHORT, seed=5, trials=2)
 
-    run = both.show(hand_in(both, "ann", assignment, config=GAIN))
+    run = backend.show(hand_in(backend, "ann", assignment, config=GAIN))
 
     assert (run.config["levels"], run.config["kp"]) == ([0.1, 0.2], 0.7)
     assert (run.seed, run.trials, run.kind) == (5, 2, RunKind.PRACTICE)
@@ -77,44 +77,44 @@ def test_a_run_for_an_assignment_has_its_settings_seed_and_trials(both: Backend)
     [{"config": {"levels": [0.1]}}, {"seed": 6}, {"benchmark": "visibility-v1"}],
 )
 def test_a_pupil_cannot_change_what_the_assignment_fixes(
-    both: Backend, changes: dict[str, Any]
+    backend: Backend, changes: dict[str, Any]
 ) -> None:
-    assignment = assign(both, classroom(both, "ann"), config=SHORT, seed=5)
+    assignment = assign(backend, classroom(backend, "ann"), config=SHORT, seed=5)
 
     with pytest.raises(SubmissionRejected):
-        hand_in(both, "ann", assignment, **changes)
+        hand_in(backend, "ann", assignment, **changes)
 
 
-def test_a_ranked_assignment_makes_ranked_runs(both: Backend) -> None:
-    assignment = assign(both, classroom(both, "ann"), kind="ranked", seed=4)
+def test_a_ranked_assignment_makes_ranked_runs(backend: Backend) -> None:
+    assignment = assign(backend, classroom(backend, "ann"), kind="ranked", seed=4)
 
-    run = both.show(hand_in(both, "ann", assignment))
+    run = backend.show(hand_in(backend, "ann", assignment))
 
     assert (run.kind, run.seed) == (RunKind.RANKED, None)
 
 
 @pytest.mark.parametrize("who", ["ben", "tim", "root"])
-def test_only_pupils_of_the_class_submit_for_its_assignments(both: Backend, who: str) -> None:
-    assignment = assign(both, classroom(both, "ann"))
+def test_only_pupils_of_the_class_submit_for_its_assignments(backend: Backend, who: str) -> None:
+    assignment = assign(backend, classroom(backend, "ann"))
 
     with pytest.raises(SubmissionRejected, match="not in the class"):
-        hand_in(both, who, assignment)
+        hand_in(backend, who, assignment)
 
 
 def test_what_counts_is_the_submission_before_the_deadline_not_the_end_after_it(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    room = classroom(both, "ann")
-    assignment = assign(both, room, deadline=time.time() + 1000.0)
-    hand_in(both, "ann", assignment)
-    with both.database.writing() as session:
+    room = classroom(backend, "ann")
+    assignment = assign(backend, room, deadline=time.time() + 1000.0)
+    hand_in(backend, "ann", assignment)
+    with backend.database.writing() as session:
         session.execute(update(Assignment).values(deadline=time.time() - 1.0))
 
-    assert both.finish(both.claim_next(), score=40.0)
+    assert backend.finish(backend.claim_next(), score=40.0)
     with pytest.raises(SubmissionRejected, match="deadline"):
-        hand_in(both, "ann", assignment)
+        hand_in(backend, "ann", assignment)
 
-    (ann,) = teachers_page(both, room, assignment)
+    (ann,) = teachers_page(backend, room, assignment)
     assert (ann.runs, ann.best and ann.best.score) == (1, 40.0)
 
 
@@ -134,20 +134,20 @@ def test_a_run_submitted_again_counts_for_its_assignment_until_the_deadline(both
 
 
 def test_a_run_validated_before_the_deadline_is_refused_when_it_is_inserted_after_it(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    assignment = assign(both, classroom(both, "ann"), deadline=time.time() + 1000.0)
-    sent = Submission(**(PI_RUN | {"viewer": both.viewers["ann"]}))
-    with both.database.reading() as session:
+    assignment = assign(backend, classroom(backend, "ann"), deadline=time.time() + 1000.0)
+    sent = Submission(**(PI_RUN | {"viewer": backend.viewers["ann"]}))
+    with backend.database.reading() as session:
         sent = assigned.for_assignment(session, assignment, sent)
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         session.execute(update(Assignment).values(deadline=time.time() - 1.0))
 
     with (
         pytest.raises(SubmissionRejected, match="deadline"),
-        both.database.writing() as session,
+        backend.database.writing() as session,
     ):
-        submission.submit(session, validation.validate(sent, both.settings), both.settings)
+        submission.submit(session, validation.validate(sent, backend.settings), backend.settings)
 
 
 def test_the_teacher_sees_the_best_run_and_the_number_of_runs_of_each_pupil(both: Backend) -> None:
@@ -167,17 +167,17 @@ def test_the_teacher_sees_the_best_run_and_the_number_of_runs_of_each_pupil(both
         assert progress.totals(session, room, assignment) == progress.Totals(3, 2, 1, 4)
 
 
-def test_the_ranking_has_places_and_no_names_and_leaves_out_who_left(both: Backend) -> None:
-    room = classroom(both, "ann", "ben", "eva")
-    assignment = assign(both, room)
+def test_the_ranking_has_places_and_no_names_and_leaves_out_who_left(backend: Backend) -> None:
+    room = classroom(backend, "ann", "ben", "eva")
+    assignment = assign(backend, room)
     for name, value in (("ann", 50.0), ("ben", 70.0), ("eva", 50.0)):
-        score(both, name, assignment, value)
+        score(backend, name, assignment, value)
 
-    with both.database.reading() as session:
-        full = progress.ranking(session, room, assignment, both.user_id("eva"))
-    with both.database.writing() as session:
-        classrooms.leave(session, room, both.user_id("ben"))
-        without = progress.ranking(session, room, assignment, both.user_id("ann"))
+    with backend.database.reading() as session:
+        full = progress.ranking(session, room, assignment, backend.user_id("eva"))
+    with backend.database.writing() as session:
+        classrooms.leave(session, room, backend.user_id("ben"))
+        without = progress.ranking(session, room, assignment, backend.user_id("ann"))
 
     assert [(p.place, p.score, p.is_own) for p in full] == [
         (1, 70.0, False),
@@ -188,31 +188,31 @@ def test_the_ranking_has_places_and_no_names_and_leaves_out_who_left(both: Backe
 
 
 def test_a_teacher_reads_the_runs_for_an_assignment_while_the_pupil_is_in_the_class(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    room = classroom(both, "ann")
-    run_id, own = hand_in(both, "ann", assign(both, room)), both.queue("ann")
-    tim, changes = both.viewers["tim"], (Action.PUBLISH, Action.CANCEL, Action.DELETE_DATA)
+    room = classroom(backend, "ann")
+    run_id, own = hand_in(backend, "ann", assign(backend, room)), backend.queue("ann")
+    tim, changes = backend.viewers["tim"], (Action.PUBLISH, Action.CANCEL, Action.DELETE_DATA)
 
-    assert can(tim, Action.VIEW_PROGRAM, both.show(run_id))
-    assert not any(can(tim, action, both.show(run_id)) for action in changes)
-    assert not can(tim, Action.VIEW, both.show(own))
-    other_teacher = Viewer(user_id=both.user_id("olga"), account_role=tim.account_role)
-    assert not can(other_teacher, Action.VIEW, both.show(run_id))
+    assert can(tim, Action.VIEW_PROGRAM, backend.show(run_id))
+    assert not any(can(tim, action, backend.show(run_id)) for action in changes)
+    assert not can(tim, Action.VIEW, backend.show(own))
+    other_teacher = Viewer(user_id=backend.user_id("olga"), account_role=tim.account_role)
+    assert not can(other_teacher, Action.VIEW, backend.show(run_id))
 
-    with both.database.writing() as session:
-        classrooms.leave(session, room, both.user_id("ann"))
-    assert not can(tim, Action.VIEW, both.show(run_id))
+    with backend.database.writing() as session:
+        classrooms.leave(session, room, backend.user_id("ann"))
+    assert not can(tim, Action.VIEW, backend.show(run_id))
 
 
-def test_deleting_a_class_leaves_the_runs_to_the_pupils(both: Backend) -> None:
-    room = classroom(both, "ann")
-    run_id = hand_in(both, "ann", assign(both, room))
+def test_deleting_a_class_leaves_the_runs_to_the_pupils(backend: Backend) -> None:
+    room = classroom(backend, "ann")
+    run_id = hand_in(backend, "ann", assign(backend, room))
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         classrooms.remove(session, room)
 
-    run = both.show(run_id)
-    assert (run.user_id, run.teacher_id) == (both.user_id("ann"), None)
-    with both.database.reading() as session:
+    run = backend.show(run_id)
+    assert (run.user_id, run.teacher_id) == (backend.user_id("ann"), None)
+    with backend.database.reading() as session:
         assert assignments.of_run(session, run_id) is None

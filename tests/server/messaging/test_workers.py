@@ -23,12 +23,12 @@ def _silence(both: Backend, name: str, seconds: float) -> None:
         session.execute(change.values(seen_at=time.time() - seconds))
 
 
-def test_a_worker_is_alive_until_its_heartbeats_stop(both: Backend) -> None:
-    _register(both, "a", slots=2)
-    _register(both, "b", slots=3)
-    _silence(both, "b", workers.ALIVE_S + 1)
+def test_a_worker_is_alive_until_its_heartbeats_stop(backend: Backend) -> None:
+    _register(backend, "a", slots=2)
+    _register(backend, "b", slots=3)
+    _silence(backend, "b", workers.ALIVE_S + 1)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         counts = workers.alive_count(session), workers.slot_count(session)
         listed = {worker.name: worker.alive for worker in workers.listed(session)}
 
@@ -36,22 +36,22 @@ def test_a_worker_is_alive_until_its_heartbeats_stop(both: Backend) -> None:
     assert listed == {"a": True, "b": False}
 
 
-def test_a_heartbeat_brings_a_worker_back(both: Backend) -> None:
-    _register(both, "a")
-    _silence(both, "a", workers.ALIVE_S + 1)
+def test_a_heartbeat_brings_a_worker_back(backend: Backend) -> None:
+    _register(backend, "a")
+    _silence(backend, "a", workers.ALIVE_S + 1)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert workers.heartbeat(session, "a", {})
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert workers.alive_count(session) == 1
 
 
-def test_a_heartbeat_of_a_worker_that_is_not_listed_has_no_effect(both: Backend) -> None:
-    with both.database.writing() as session:
+def test_a_heartbeat_of_a_worker_that_is_not_listed_has_no_effect(backend: Backend) -> None:
+    with backend.database.writing() as session:
         assert not workers.heartbeat(session, "a", {})
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert workers.listed(session) == []
 
 
@@ -64,16 +64,16 @@ def test_a_worker_that_dies_before_the_clock_is_set_back_is_dead(both: Backend) 
         assert not any(worker.alive for worker in workers.listed(session))
 
 
-def test_a_worker_that_shuts_down_or_is_dead_for_a_day_is_not_listed(both: Backend) -> None:
+def test_a_worker_that_shuts_down_or_is_dead_for_a_day_is_not_listed(backend: Backend) -> None:
     for name in ("stopped", "dead", "alive"):
-        _register(both, name)
-    _silence(both, "dead", workers.LISTED_S + 1)
+        _register(backend, name)
+    _silence(backend, "dead", workers.LISTED_S + 1)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         workers.unregister(session, "stopped")
         workers.forget_dead(session)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert [worker.name for worker in workers.listed(session)] == ["alive"]
 
 
@@ -105,7 +105,7 @@ def test_a_worker_that_prepares_its_simulator_is_not_broken(both: Backend) -> No
 
 
 def test_the_simulator_is_said_to_be_compiled_until_that_of_one_worker_is_ready(
-    both: Backend,
+    backend: Backend,
 ) -> None:
     said = []
 
@@ -115,10 +115,10 @@ def test_the_simulator_is_said_to_be_compiled_until_that_of_one_worker_is_ready(
         {"a": workers.preparing(5, 6), "b": workers.RUNNING},
     ):
         for name, state in states.items():
-            _register(both, name)
-            with both.database.writing() as session:
+            _register(backend, name)
+            with backend.database.writing() as session:
                 workers.heartbeat(session, name, {workers.SIMULATOR: state})
-        with both.database.reading() as session:
+        with backend.database.reading() as session:
             said.append(workers.preparation(session))
 
     assert said[0] is not None
@@ -149,14 +149,14 @@ def _reports(both: Backend, name: str, *components: tuple[str, str, str]) -> Non
         workers.register(session, worker)
 
 
-def test_what_workers_differ_in_is_told_apart_from_what_all_of_them_have(both: Backend) -> None:
+def test_what_workers_differ_in_is_told_apart_from_what_all_of_them_have(backend: Backend) -> None:
     python, numpy = ("interpreter", "Python", "3.11.2"), ("library", "NumPy", "2.4.1")
-    _reports(both, "a", python, numpy)
-    _reports(both, "b", python, ("library", "NumPy", "2.4.0"), ("library", "SciPy", "1.17.0"))
-    _reports(both, "dead", ("library", "PyTorch", "9"))
-    _silence(both, "dead", workers.ALIVE_S + 1)
+    _reports(backend, "a", python, numpy)
+    _reports(backend, "b", python, ("library", "NumPy", "2.4.0"), ("library", "SciPy", "1.17.0"))
+    _reports(backend, "dead", ("library", "PyTorch", "9"))
+    _silence(backend, "dead", workers.ALIVE_S + 1)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         (found,) = workers.environments(session)
 
     assert (found.language, found.workers) == ("python", 2)
@@ -170,37 +170,37 @@ def test_what_workers_differ_in_is_told_apart_from_what_all_of_them_have(both: B
     assert everywhere == ["Python"]
 
 
-def test_without_a_living_worker_nothing_is_in_the_box(both: Backend) -> None:
-    _reports(both, "dead", ("interpreter", "Python", "3.11.2"))
-    _silence(both, "dead", workers.ALIVE_S + 1)
+def test_without_a_living_worker_nothing_is_in_the_box(backend: Backend) -> None:
+    _reports(backend, "dead", ("interpreter", "Python", "3.11.2"))
+    _silence(backend, "dead", workers.ALIVE_S + 1)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert workers.environments(session) == []
 
 
-def test_a_drained_worker_claims_no_run_until_it_is_resumed(both: Backend) -> None:
-    _register(both, "a")
-    both.queue("ann")
-    with both.database.writing() as session:
+def test_a_drained_worker_claims_no_run_until_it_is_resumed(backend: Backend) -> None:
+    _register(backend, "a")
+    backend.queue("ann")
+    with backend.database.writing() as session:
         assert workers.drain(session, "a")
         assert not workers.drain(session, "a")
-    refused, taken = both.claim("a/0"), both.claim("b/0")
+    refused, taken = backend.claim("a/0"), backend.claim("b/0")
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert workers.resume(session, "a")
-    both.queue("ben")
+    backend.queue("ben")
 
     assert refused is None
     assert taken is not None
-    assert both.claim("a/0") is not None
+    assert backend.claim("a/0") is not None
 
 
-def test_a_drained_worker_counts_for_nobody_who_waits(both: Backend) -> None:
-    _register(both, "a", slots=2)
-    with both.database.writing() as session:
+def test_a_drained_worker_counts_for_nobody_who_waits(backend: Backend) -> None:
+    _register(backend, "a", slots=2)
+    with backend.database.writing() as session:
         workers.drain(session, "a")
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         (status,) = workers.listed(session)
         counts = workers.alive_count(session), workers.slot_count(session)
 
@@ -208,13 +208,13 @@ def test_a_drained_worker_counts_for_nobody_who_waits(both: Backend) -> None:
 
 
 def test_a_worker_that_would_compute_other_results_counts_for_nobody_who_waits(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    _register(both, "old", slots=1, code="{}")
-    _register(both, "new", slots=2, code=result_code())
-    _register(both, "unknown", slots=4)  # of a version that did not report it
+    _register(backend, "old", slots=1, code="{}")
+    _register(backend, "new", slots=2, code=result_code())
+    _register(backend, "unknown", slots=4)  # of a version that did not report it
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         claims = {worker.name: worker.claims for worker in workers.listed(session)}
         counts = workers.alive_count(session), workers.slot_count(session)
 

@@ -40,27 +40,27 @@ def test_an_order_of_gigabytes_is_refused_with_its_size_and_what_to_change(both:
     assert "fewer levels or trials" in str(why.value)
 
 
-def test_the_largest_run_at_the_usual_rate_is_accepted(both: Backend) -> None:
-    assert both.queue("ann", config=LONG, trials=4)
+def test_the_largest_run_at_the_usual_rate_is_accepted(backend: Backend) -> None:
+    assert backend.queue("ann", config=LONG, trials=4)
 
 
-def test_a_ranked_run_is_as_large_as_its_benchmark_says(both: Backend) -> None:
-    assert _with(both, run_max_bytes=MIB).queue("ann", kind="ranked", benchmark="currents-v2")
+def test_a_ranked_run_is_as_large_as_its_benchmark_says(backend: Backend) -> None:
+    assert _with(backend, run_max_bytes=MIB).queue("ann", kind="ranked", benchmark="currents-v2")
 
 
-def test_a_queued_run_counts_with_what_it_may_record(both: Backend) -> None:
-    small, twice = both.queue("ann", config=SHORT), both.queue("ann", config=SHORT, trials=2)
-    program = both.queue_program("ann", config=SHORT)
+def test_a_queued_run_counts_with_what_it_may_record(backend: Backend) -> None:
+    small, twice = backend.queue("ann", config=SHORT), backend.queue("ann", config=SHORT, trials=2)
+    program = backend.queue_program("ann", config=SHORT)
 
     rows = 200  # 10 s at 20 Hz
-    assert _size(both, small) > rows * 8 * 50
-    assert _size(both, twice) - _size(both, small) > rows * 8 * 50
-    assert _size(both, program) > _size(both, small)  # it has a log, and is stored itself
+    assert _size(backend, small) > rows * 8 * 50
+    assert _size(backend, twice) - _size(backend, small) > rows * 8 * 50
+    assert _size(backend, program) > _size(backend, small)  # it has a log, and is stored itself
 
 
-def test_the_runs_of_an_account_share_its_disk_space(both: Backend) -> None:
-    size = _size(both, both.queue("ben", config=SHORT))
-    limited = _with(both, quota_bytes=2 * size)
+def test_the_runs_of_an_account_share_its_disk_space(backend: Backend) -> None:
+    size = _size(backend, backend.queue("ben", config=SHORT))
+    limited = _with(backend, quota_bytes=2 * size)
     limited.queue("ann", config=SHORT)
     limited.queue("ann", config=SHORT)
 
@@ -71,9 +71,9 @@ def test_the_runs_of_an_account_share_its_disk_space(both: Backend) -> None:
     assert limited.queue("eva", config=SHORT)
 
 
-def test_guests_of_a_network_share_their_disk_space(both: Backend) -> None:
-    size = _size(both, both.queue("ben", config=SHORT))
-    limited = _with(both, guest_quota_bytes=size)
+def test_guests_of_a_network_share_their_disk_space(backend: Backend) -> None:
+    size = _size(backend, backend.queue("ben", config=SHORT))
+    limited = _with(backend, guest_quota_bytes=size)
     for name, network in (("one", "n"), ("two", "n"), ("far", "m")):
         limited.viewers[name] = Viewer(guest=name, network=network)
     limited.queue("one", config=SHORT)
@@ -84,22 +84,22 @@ def test_guests_of_a_network_share_their_disk_space(both: Backend) -> None:
     assert limited.queue("far", config=SHORT)
 
 
-def test_a_run_that_was_cancelled_before_it_started_takes_no_space(both: Backend) -> None:
-    size = _size(both, both.queue("ben", config=SHORT))
-    limited = _with(both, quota_bytes=size)
+def test_a_run_that_was_cancelled_before_it_started_takes_no_space(backend: Backend) -> None:
+    size = _size(backend, backend.queue("ben", config=SHORT))
+    limited = _with(backend, quota_bytes=size)
     limited.cancel(limited.queue("ann", config=SHORT))
 
     assert limited.queue("ann", config=SHORT)
 
 
-def test_a_finished_run_counts_with_what_it_recorded(both: Backend) -> None:
-    claim = both.running("ann", config=SHORT)
+def test_a_finished_run_counts_with_what_it_recorded(backend: Backend) -> None:
+    claim = backend.running("ann", config=SHORT)
 
-    both.finish(claim, data_bytes=123)
+    backend.finish(claim, data_bytes=123)
 
-    assert _size(both, claim.run_id) == 123
-    with both.database.reading() as session:
-        used = quota.used_by(session, both.viewers["ann"], both.settings)
+    assert _size(backend, claim.run_id) == 123
+    with backend.database.reading() as session:
+        used = quota.used_by(session, backend.viewers["ann"], backend.settings)
     assert (used.bytes, type(used.bytes)) == (123, int)
 
 
@@ -129,21 +129,21 @@ def test_runs_submitted_at_once_do_not_exceed_the_disk_space_together(
     assert (accepted.count(True), taken) == (3, 3 * size)
 
 
-def test_baselines_have_no_limit_of_space(both: Backend) -> None:
-    with both.database.writing() as session:
-        assert baselines.ensure(session, _with(both, quota_bytes=1).settings)
+def test_baselines_have_no_limit_of_space(backend: Backend) -> None:
+    with backend.database.writing() as session:
+        assert baselines.ensure(session, _with(backend, quota_bytes=1).settings)
 
 
-def test_a_rerun_counts_the_program_again_and_needs_it(both: Backend) -> None:
-    first = both.queue_program("ann", config=SHORT)
-    again = both.rerun(first)
-    assert _size(both, again) == _size(both, first)
+def test_a_rerun_counts_the_program_again_and_needs_it(backend: Backend) -> None:
+    first = backend.queue_program("ann", config=SHORT)
+    again = backend.rerun(first)
+    assert _size(backend, again) == _size(backend, first)
 
-    for file in (both.settings.data / "programs").iterdir():
+    for file in (backend.settings.data / "programs").iterdir():
         file.unlink()
 
     with pytest.raises(SubmissionRejected, match="has been deleted"):
-        both.rerun(first)
+        backend.rerun(first)
 
 
 def test_the_space_of_an_owner_is_summed_from_an_index(both: Backend) -> None:

@@ -48,10 +48,10 @@ def service(backend: Backend, **changes: object) -> Iterator[Site]:
     site.services.close()
 
 
-def test_the_queue_is_told_by_lane(both: Backend) -> None:
-    with service(both) as site:
-        both.queue()
-        both.queue("ben")
+def test_the_queue_is_told_by_lane(backend: Backend) -> None:
+    with service(backend) as site:
+        backend.queue()
+        backend.queue("ben")
 
         found = scrape(site)
 
@@ -60,10 +60,10 @@ def test_the_queue_is_told_by_lane(both: Backend) -> None:
     assert value(found, "seamark_queue_oldest_seconds", lane="account") > 0
 
 
-def test_a_run_is_counted_once_when_it_ends_and_its_wait_when_it_starts(both: Backend) -> None:
-    with service(both) as site:
-        both.succeeded()
-        both.failed({})
+def test_a_run_is_counted_once_when_it_ends_and_its_wait_when_it_starts(backend: Backend) -> None:
+    with service(backend) as site:
+        backend.succeeded()
+        backend.failed({})
 
         found = scrape(site)
 

@@ -72,12 +72,12 @@ def test_the_measurement_adds_up_runs_files_owners_and_what_is_due(both: Backend
     assert due == {"accounts": (10 * ROW_BYTES, 1), "guests": (0, 0), "size": (0, 0)}
 
 
-def test_a_recent_measurement_is_not_repeated(both: Backend) -> None:
-    disk_usage.measure_if_old(both.database, both.settings)
-    first = _report(both).measured_at
-    disk_usage.measure_if_old(both.database, both.settings)
+def test_a_recent_measurement_is_not_repeated(backend: Backend) -> None:
+    disk_usage.measure_if_old(backend.database, backend.settings)
+    first = _report(backend).measured_at
+    disk_usage.measure_if_old(backend.database, backend.settings)
 
-    assert _report(both).measured_at == first > 0
+    assert _report(backend).measured_at == first > 0
 
 
 @pytest.mark.parametrize("limit_rows", [0, 25])

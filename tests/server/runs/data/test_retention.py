@@ -70,23 +70,23 @@ def _has_data(both: Backend, run_id: int) -> bool:
     return exists
 
 
-def test_by_default_the_data_of_accounts_are_kept_for_ever(both: Backend) -> None:
-    run_id = _recorded(both)
-    _age(both, run_id, 3650)
+def test_by_default_the_data_of_accounts_are_kept_for_ever(backend: Backend) -> None:
+    run_id = _recorded(backend)
+    _age(backend, run_id, 3650)
 
-    _sweep(both)
+    _sweep(backend)
 
-    assert _has_data(both, run_id)
+    assert _has_data(backend, run_id)
 
 
-def test_old_data_of_guests_are_deleted_and_the_run_stays(both: Backend) -> None:
-    old, new = _recorded(both, "guest"), _recorded(both, "guest")
-    _age(both, old, both.settings.guest_retention_days + 1)
+def test_old_data_of_guests_are_deleted_and_the_run_stays(backend: Backend) -> None:
+    old, new = _recorded(backend, "guest"), _recorded(backend, "guest")
+    _age(backend, old, backend.settings.guest_retention_days + 1)
 
-    _sweep(both)
+    _sweep(backend)
 
-    assert (_has_data(both, old), _has_data(both, new)) == (False, True)
-    view = both.show(old)
+    assert (_has_data(backend, old), _has_data(backend, new)) == (False, True)
+    view = backend.show(old)
     assert (view.state, view.score, view.data_bytes) == (RunState.SUCCEEDED, 50.0, 0)
     assert view.metrics is not None
 
@@ -116,23 +116,23 @@ def test_beyond_a_total_size_the_oldest_private_practice_data_are_deleted(both: 
     assert [_has_data(both, run_id) for run_id in runs] == [True, False, False, True]
 
 
-def test_live_public_and_deleted_runs_are_not_deleted(both: Backend) -> None:
-    running, public, gone = both.running().run_id, both.published(), both.succeeded()
+def test_live_public_and_deleted_runs_are_not_deleted(backend: Backend) -> None:
+    running, public, gone = backend.running().run_id, backend.published(), backend.succeeded()
 
-    deleted = [retention.delete(both.database, both.settings, [gone]) for _ in range(2)]
+    deleted = [retention.delete(backend.database, backend.settings, [gone]) for _ in range(2)]
     refused = [
-        retention.delete(both.database, both.settings, [run_id])
+        retention.delete(backend.database, backend.settings, [run_id])
         for run_id in (running, public, 999)
     ]
 
     assert (deleted, refused) == ([[gone], []], [[], [], []])
 
 
-def test_a_run_without_its_data_cannot_be_published(both: Backend) -> None:
-    run_id = _recorded(both, kind="ranked")
-    retention.delete(both.database, both.settings, [run_id])
+def test_a_run_without_its_data_cannot_be_published(backend: Backend) -> None:
+    run_id = _recorded(backend, kind="ranked")
+    retention.delete(backend.database, backend.settings, [run_id])
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert not publications.publish(session, run_id, Terms())
 
 
@@ -163,11 +163,11 @@ def test_a_queued_run_keeps_nothing_of_its_dead_attempts(both: Backend) -> None:
     assert RunFiles(both.settings.data, run_id).attempts() == [other.attempt]
 
 
-def test_files_without_a_run_are_removed_when_they_are_old(both: Backend) -> None:
-    orphan, recent = _record(both, 5_000), _record(both, 6_000)
+def test_files_without_a_run_are_removed_when_they_are_old(backend: Backend) -> None:
+    orphan, recent = _record(backend, 5_000), _record(backend, 6_000)
     os.utime(orphan.root, (0, 0))
 
-    _sweep(both)
+    _sweep(backend)
 
     assert (orphan.root.exists(), recent.root.exists()) == (False, True)
 
@@ -188,41 +188,41 @@ def test_what_nobody_measured_is_measured(both: Backend) -> None:
 
 
 def test_nothing_is_concluded_from_a_data_folder_that_is_away(
-    both: Backend, tmp_path: Path
+    backend: Backend, tmp_path: Path
 ) -> None:
-    run_id = both.running().run_id
-    _record(both, run_id)
-    both.cancel(run_id)
-    _age(both, run_id, 1)
-    before = both.show(run_id).data_bytes
-    os.rename(both.settings.data, tmp_path / "away")
+    run_id = backend.running().run_id
+    _record(backend, run_id)
+    backend.cancel(run_id)
+    _age(backend, run_id, 1)
+    before = backend.show(run_id).data_bytes
+    os.rename(backend.settings.data, tmp_path / "away")
 
-    _sweep(both)
+    _sweep(backend)
 
-    assert both.show(run_id).data_bytes == before > 0
-
-
-def test_a_worker_that_closes_a_deleted_run_does_not_bring_it_back(both: Backend) -> None:
-    claim = both.running()
-    both.cancel(claim.run_id)
-    retention.delete(both.database, both.settings, [claim.run_id])
-
-    both.finish(claim, state=RunState.CANCELLED, data_bytes=5)
-
-    assert both.show(claim.run_id).data_bytes == 0
+    assert backend.show(run_id).data_bytes == before > 0
 
 
-def test_a_program_goes_with_the_data_of_its_last_run(both: Backend) -> None:
-    program = both.store_program()
-    first, second = (_recorded(both, controller="upload", program=program) for _ in range(2))
+def test_a_worker_that_closes_a_deleted_run_does_not_bring_it_back(backend: Backend) -> None:
+    claim = backend.running()
+    backend.cancel(claim.run_id)
+    retention.delete(backend.database, backend.settings, [claim.run_id])
+
+    backend.finish(claim, state=RunState.CANCELLED, data_bytes=5)
+
+    assert backend.show(claim.run_id).data_bytes == 0
+
+
+def test_a_program_goes_with_the_data_of_its_last_run(backend: Backend) -> None:
+    program = backend.store_program()
+    first, second = (_recorded(backend, controller="upload", program=program) for _ in range(2))
 
     def referred_to() -> bool:
-        with both.database.reading() as session:
+        with backend.database.reading() as session:
             return check_queue.refers_to(session, program.sha256)
 
-    retention.delete(both.database, both.settings, [first])
+    retention.delete(backend.database, backend.settings, [first])
     assert referred_to()
-    retention.delete(both.database, both.settings, [second])
+    retention.delete(backend.database, backend.settings, [second])
     assert not referred_to()
 
 
@@ -251,15 +251,15 @@ def test_a_deletion_that_is_killed_leaves_nothing_half_deleted(both: Backend) ->
     assert deleted == len(runs) - len(kept)
 
 
-def test_half_removed_files_of_a_deleted_run_are_removed(both: Backend) -> None:
-    run_id = _recorded(both)
-    with both.database.writing() as session:
+def test_half_removed_files_of_a_deleted_run_are_removed(backend: Backend) -> None:
+    run_id = _recorded(backend)
+    with backend.database.writing() as session:
         assert retention.mark(session, [run_id]) == [run_id]
-    (RunFiles(both.settings.data, run_id).folder / "telemetry.f64").unlink()
+    (RunFiles(backend.settings.data, run_id).folder / "telemetry.f64").unlink()
 
-    _sweep(both)
+    _sweep(backend)
 
-    assert not _has_data(both, run_id)
+    assert not _has_data(backend, run_id)
 
 
 @pytest.mark.parametrize("count", [retention.BATCH + 5])

@@ -20,18 +20,18 @@ def delete_account(both: Backend, name: str, *, keep: bool) -> None:
 
 
 @pytest.mark.slow
-def test_published_runs_stay_without_the_name_if_the_owner_wants_it(both: Backend) -> None:
-    shown, private = both.published("ann", kind="ranked"), both.succeeded("ann")
-    later = both.queue("ben")
+def test_published_runs_stay_without_the_name_if_the_owner_wants_it(backend: Backend) -> None:
+    shown, private = backend.published("ann", kind="ranked"), backend.succeeded("ann")
+    later = backend.queue("ben")
 
-    delete_account(both, "ann", keep=True)
+    delete_account(backend, "ann", keep=True)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         (rank,) = leaderboard.page(session, "currents-v1")
         assert views.show(session, private) is None
         assert accounts.authenticate(session, "ann", "") is None
-    assert (rank.run_id, rank.user) == (shown, f"Deleted user {both.user_id('ann')}")
-    assert both.show(later).state is RunState.QUEUED
+    assert (rank.run_id, rank.user) == (shown, f"Deleted user {backend.user_id('ann')}")
+    assert backend.show(later).state is RunState.QUEUED
 
 
 def test_otherwise_nothing_of_the_account_is_left(both: Backend) -> None:
@@ -46,13 +46,13 @@ def test_otherwise_nothing_of_the_account_is_left(both: Backend) -> None:
         assert session.get(User, both.user_id("ann")) is None
 
 
-def test_the_number_of_a_deleted_run_is_not_given_to_another_one(both: Backend) -> None:
-    newest = both.succeeded("ann", title="mine")
+def test_the_number_of_a_deleted_run_is_not_given_to_another_one(backend: Backend) -> None:
+    newest = backend.succeeded("ann", title="mine")
 
-    delete_account(both, "ann", keep=False)
+    delete_account(backend, "ann", keep=False)
 
-    assert both.queue("ben") > newest
-    with both.database.reading() as session:
+    assert backend.queue("ben") > newest
+    with backend.database.reading() as session:
         left = session.get_one(Run, newest)
         assert (left.owner, left.user_id, left.title, left.public) == ("deleted", None, "", False)
         assert views.show(session, newest) is None
@@ -60,16 +60,16 @@ def test_the_number_of_a_deleted_run_is_not_given_to_another_one(both: Backend) 
 
 @pytest.mark.parametrize(("keep", "expected"), [(True, [(50.0, 3)]), (False, [])])
 def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_runs(
-    both: Backend, keep: bool, expected: list[tuple[float, int]]
+    backend: Backend, keep: bool, expected: list[tuple[float, int]]
 ) -> None:
-    both.published("ann", kind="ranked")
-    both.succeeded("ann", kind="ranked")
-    both.succeeded("ann", kind="ranked")
-    both.queue("ben")
+    backend.published("ann", kind="ranked")
+    backend.succeeded("ann", kind="ranked")
+    backend.succeeded("ann", kind="ranked")
+    backend.queue("ben")
 
-    delete_account(both, "ann", keep=keep)
+    delete_account(backend, "ann", keep=keep)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         kept = [(rank.score, rank.submissions) for rank in leaderboard.page(session, "currents-v1")]
         assert score_counts.size(session, "currents-v1") == len(expected)
         best_runs.rebuild(session)
@@ -94,9 +94,9 @@ def test_a_deletion_waits_for_no_batch_of_somebody_elses(both: Backend) -> None:
 
 
 @pytest.mark.parametrize("name", ["Deleted user 1", "deleted user 1"])
-def test_nobody_can_take_the_name_of_a_deleted_account(both: Backend, name: str) -> None:
+def test_nobody_can_take_the_name_of_a_deleted_account(backend: Backend, name: str) -> None:
     with (
         pytest.raises(accounts.AccountRejected),
-        both.database.writing() as session,
+        backend.database.writing() as session,
     ):
         accounts.sign_up(session, name, "a long pass phrase")

@@ -21,28 +21,28 @@ def _delete(backend: Backend, *run_ids: int) -> list[int]:
     return deletion.delete(backend.database, backend.settings, run_ids)
 
 
-def test_a_deleted_run_is_gone_with_its_files_its_texts_and_its_score(both: Backend) -> None:
-    run_id = both.succeeded("ann", title="secret", notes="secret", config={"kp": 0.123})
-    RunFiles(both.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))
+def test_a_deleted_run_is_gone_with_its_files_its_texts_and_its_score(backend: Backend) -> None:
+    run_id = backend.succeeded("ann", title="secret", notes="secret", config={"kp": 0.123})
+    RunFiles(backend.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))
 
-    assert _delete(both, run_id) == [run_id]
+    assert _delete(backend, run_id) == [run_id]
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         shown = views.show(session, run_id)
         run, result = session.get_one(Run, run_id), session.get_one(Result, run_id)
         left = (run.title, run.notes, run.config, run.data_bytes, result.score, result.metrics)
     assert shown is None
     assert left == ("", "", {}, 0, None, None)
-    assert not RunFiles(both.settings.data, run_id).root.exists()
+    assert not RunFiles(backend.settings.data, run_id).root.exists()
 
 
-def test_only_private_runs_that_have_ended_are_deleted_and_only_once(both: Backend) -> None:
-    public, private = both.published("ann"), both.succeeded("ann")
-    running = both.running("ann").run_id
-    queued = both.queue("ann")
+def test_only_private_runs_that_have_ended_are_deleted_and_only_once(backend: Backend) -> None:
+    public, private = backend.published("ann"), backend.succeeded("ann")
+    running = backend.running("ann").run_id
+    queued = backend.queue("ann")
 
-    assert _delete(both, public, private, running, queued) == [private]
-    assert _delete(both, private) == []
+    assert _delete(backend, public, private, running, queued) == [private]
+    assert _delete(backend, private) == []
 
 
 def test_deleting_runs_gives_back_neither_ranked_submissions_nor_quota(backend: Backend) -> None:
@@ -59,17 +59,17 @@ def test_deleting_runs_gives_back_neither_ranked_submissions_nor_quota(backend: 
             quota.enforce(session, ann, settings, new_bytes=0)
 
 
-def test_after_the_deletion_of_the_best_run_the_next_one_ranks(both: Backend) -> None:
-    entry = both.published("ann", kind="ranked")
-    claim = both.running("ann", kind="ranked")
-    assert both.finish(claim, score=90.0)
-    both.publish(claim.run_id)
-    with both.database.writing() as session:
+def test_after_the_deletion_of_the_best_run_the_next_one_ranks(backend: Backend) -> None:
+    entry = backend.published("ann", kind="ranked")
+    claim = backend.running("ann", kind="ranked")
+    assert backend.finish(claim, score=90.0)
+    backend.publish(claim.run_id)
+    with backend.database.writing() as session:
         assert publications.withdraw(session, claim.run_id)
 
-    _delete(both, claim.run_id)
+    _delete(backend, claim.run_id)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         (kept,) = leaderboard.page(session, "currents-v1")
         assert score_counts.size(session, "currents-v1") == 1
         best_runs.rebuild(session)

@@ -40,32 +40,34 @@ def _board(both: Backend) -> list[tuple[str, float]]:
 
 
 @pytest.mark.slow
-def test_only_published_ranked_runs_that_succeeded_are_ranked(both: Backend) -> None:
-    run_id = _ranked(both, "ann", 60.0)
-    practice = both.running("ann")
-    both.finish(practice, score=99.0)
+def test_only_published_ranked_runs_that_succeeded_are_ranked(backend: Backend) -> None:
+    run_id = _ranked(backend, "ann", 60.0)
+    practice = backend.running("ann")
+    backend.finish(practice, score=99.0)
     failed = _ranked(
-        both, "ann", 98.0, state=RunState.FAILED, cause="user_error", metrics={"score": 98.0}
+        backend, "ann", 98.0, state=RunState.FAILED, cause="user_error", metrics={"score": 98.0}
     )
-    hidden = _ranked(both, "ann", 97.0, metrics={"score": 97.0, "rankable": False})
+    hidden = _ranked(backend, "ann", 97.0, metrics={"score": 97.0, "rankable": False})
 
-    assert _board(both) == []
-    assert all(_publish(both, each) for each in (run_id, practice.run_id, failed, hidden))
-    assert _board(both) == [("ann", 60.0)]
+    assert _board(backend) == []
+    assert all(_publish(backend, each) for each in (run_id, practice.run_id, failed, hidden))
+    assert _board(backend) == [("ann", 60.0)]
 
 
-def test_the_best_run_of_a_user_counts_and_withdrawing_it_ranks_the_next_one(both: Backend) -> None:
+def test_the_best_run_of_a_user_counts_and_withdrawing_it_ranks_the_next_one(
+    backend: Backend,
+) -> None:
     low, high, other = (
-        _ranked(both, who, score) for who, score in (("ann", 40.0), ("ann", 80.0), ("ben", 60.0))
+        _ranked(backend, who, score) for who, score in (("ann", 40.0), ("ann", 80.0), ("ben", 60.0))
     )
     for run_id in (low, high, other):
-        _publish(both, run_id)
-    assert _board(both) == [("ann", 80.0), ("ben", 60.0)]
+        _publish(backend, run_id)
+    assert _board(backend) == [("ann", 80.0), ("ben", 60.0)]
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert publications.withdraw(session, high)
 
-    assert _board(both) == [("ben", 60.0), ("ann", 40.0)]
+    assert _board(backend) == [("ben", 60.0), ("ann", 40.0)]
 
 
 def test_the_pages_by_cursor_are_the_whole_leaderboard(both: Backend) -> None:
@@ -149,20 +151,20 @@ def _rows(session: Session, users: list[int | None]) -> set[tuple[object, ...]]:
     return rows | {tuple(row) for row in session.execute(counts)}
 
 
-def test_a_baseline_is_a_mark_without_a_rank_and_moves_nobody_down(both: Backend) -> None:
-    _publish(both, _ranked(both, "ann", 60.0))
-    _publish(both, _ranked(both, "ben", 40.0))
+def test_a_baseline_is_a_mark_without_a_rank_and_moves_nobody_down(backend: Backend) -> None:
+    _publish(backend, _ranked(backend, "ann", 60.0))
+    _publish(backend, _ranked(backend, "ben", 40.0))
     for name, score in (("oracle", 90.0), ("pi", 50.0)):
-        both.sign_up(name)
-        with both.database.writing() as session:
-            session.get_one(User, both.user_id(name)).is_baseline = True
-        _publish(both, _ranked(both, name, score))
+        backend.sign_up(name)
+        with backend.database.writing() as session:
+            session.get_one(User, backend.user_id(name)).is_baseline = True
+        _publish(backend, _ranked(backend, name, score))
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         whole = leaderboard.page(session, NAME)
         rest = leaderboard.page(session, NAME, after=whole[2].cursor)
-        own = leaderboard.rank_of(session, NAME, both.user_id("ben"))
-        mark = leaderboard.rank_of(session, NAME, both.user_id("oracle"))
+        own = leaderboard.rank_of(session, NAME, backend.user_id("ben"))
+        mark = leaderboard.rank_of(session, NAME, backend.user_id("oracle"))
 
     assert [rank.user for rank in whole] == ["oracle", "ann", "pi", "ben"]
     assert [rank.rank for rank in whole] == [None, 1, None, 2]
@@ -191,26 +193,26 @@ def test_a_board_of_many_people_is_ranked_by_classes_of_scores(both: Backend) ->
     assert high <= classes.rank_range(row)[1]
 
 
-def test_ranges_come_from_the_fresh_trials_alone(both: Backend) -> None:
+def test_ranges_come_from_the_fresh_trials_alone(backend: Backend) -> None:
     trials = [{"score": 99.0, "part": "reference"}, {"score": 10.0, "part": "reference"}]
     trials += [{"score": score, "part": "fresh"} for score in (50.0, 51.0, 52.0)]
-    _publish(both, _ranked(both, "ann", 51.0, metrics={"score": 51.0, "trials": trials}))
+    _publish(backend, _ranked(backend, "ann", 51.0, metrics={"score": 51.0, "trials": trials}))
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         (best,) = session.scalars(select(Best))
 
     assert best.standard_error == pytest.approx(1.0 / 3**0.5)
     assert best.degrees == 2
 
 
-def test_a_score_that_is_nan_cannot_be_stored(both: Backend) -> None:
-    run_id = _ranked(both, "ann", 1.0)
+def test_a_score_that_is_nan_cannot_be_stored(backend: Backend) -> None:
+    run_id = _ranked(backend, "ann", 1.0)
 
-    with pytest.raises(IntegrityError), both.database.writing() as session:
+    with pytest.raises(IntegrityError), backend.database.writing() as session:
         session.add(
             Best(
                 benchmark=NAME,
-                user_id=both.user_id("ann"),
+                user_id=backend.user_id("ann"),
                 run_id=run_id,
                 score=float("nan"),
                 score_low=0.0,
@@ -225,37 +227,37 @@ def _submissions(both: Backend) -> dict[str, int]:
         return {rank.user: rank.submissions for rank in leaderboard.page(session, NAME)}
 
 
-def test_a_row_has_the_number_of_ranked_submissions_public_or_not(both: Backend) -> None:
+def test_a_row_has_the_number_of_ranked_submissions_public_or_not(backend: Backend) -> None:
     for score in (40.0, 60.0, 50.0):
-        run_id = _ranked(both, "ann", score)
-    _publish(both, run_id)
-    _publish(both, _ranked(both, "ben", 45.0))
-    both.succeeded("ann")
-    both.cancel(both.queue("ann", kind="ranked"))
+        run_id = _ranked(backend, "ann", score)
+    _publish(backend, run_id)
+    _publish(backend, _ranked(backend, "ben", 45.0))
+    backend.succeeded("ann")
+    backend.cancel(backend.queue("ann", kind="ranked"))
 
-    assert _submissions(both) == {"ann": 3, "ben": 1}
-
-
-def test_later_submissions_count_when_they_end(both: Backend) -> None:
-    _publish(both, _ranked(both, "ann", 60.0))
-    failed = both.running("ann", kind="ranked")
-    assert _submissions(both) == {"ann": 1}
-
-    both.finish(failed, state=RunState.FAILED, cause="user_error", metrics=None)
-    assert _submissions(both) == {"ann": 2}
-
-    cancelled = both.running("ann", kind="ranked")
-    both.cancel(cancelled.run_id)
-    both.finish(cancelled, state=RunState.CANCELLED)
-    assert _submissions(both) == {"ann": 3}
+    assert _submissions(backend) == {"ann": 3, "ben": 1}
 
 
-def test_a_rebuilt_leaderboard_has_the_same_numbers_of_submissions(both: Backend) -> None:
+def test_later_submissions_count_when_they_end(backend: Backend) -> None:
+    _publish(backend, _ranked(backend, "ann", 60.0))
+    failed = backend.running("ann", kind="ranked")
+    assert _submissions(backend) == {"ann": 1}
+
+    backend.finish(failed, state=RunState.FAILED, cause="user_error", metrics=None)
+    assert _submissions(backend) == {"ann": 2}
+
+    cancelled = backend.running("ann", kind="ranked")
+    backend.cancel(cancelled.run_id)
+    backend.finish(cancelled, state=RunState.CANCELLED)
+    assert _submissions(backend) == {"ann": 3}
+
+
+def test_a_rebuilt_leaderboard_has_the_same_numbers_of_submissions(backend: Backend) -> None:
     for who, score in (("ann", 40.0), ("ann", 60.0), ("ben", 50.0)):
-        _publish(both, _ranked(both, who, score))
-    before = _submissions(both)
+        _publish(backend, _ranked(backend, who, score))
+    before = _submissions(backend)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         best_runs.rebuild(session)
 
-    assert _submissions(both) == before == {"ann": 2, "ben": 1}
+    assert _submissions(backend) == before == {"ann": 2, "ben": 1}

@@ -126,13 +126,13 @@ def test_another_metric_sorts_the_rows_and_leaves_the_ranks(both: Backend) -> No
     assert shown == [("ben", 2, 2.0), ("eva", 3, 6.0), ("ann", 1, 10.0)]
 
 
-def test_only_rows_that_no_other_one_beats_in_both_are_on_the_front(both: Backend) -> None:
-    _entry(both, "ann", 90.0, rmse_m=0.1, energy=9.0)
-    _entry(both, "ben", 80.0, rmse_m=0.2, energy=2.0)
-    _entry(both, "eva", 70.0, rmse_m=0.3, energy=3.0)
-    _entry(both, "tim", 60.0, rmse_m=0.4, energy=1.0)
+def test_only_rows_that_no_other_one_beats_in_both_are_on_the_front(backend: Backend) -> None:
+    _entry(backend, "ann", 90.0, rmse_m=0.1, energy=9.0)
+    _entry(backend, "ben", 80.0, rmse_m=0.2, energy=2.0)
+    _entry(backend, "eva", 70.0, rmse_m=0.3, energy=3.0)
+    _entry(backend, "tim", 60.0, rmse_m=0.4, energy=1.0)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         ranks = leaderboard.page(session, NAME)
 
     front = leaderboard_filters.undominated(ranks, RMSE, ENERGY)
@@ -141,16 +141,16 @@ def test_only_rows_that_no_other_one_beats_in_both_are_on_the_front(both: Backen
     assert leaderboard_filters.undominated(ranks, RMSE, none) == []
 
 
-def test_the_history_of_a_rank_has_a_point_for_each_change_of_the_own_row(both: Backend) -> None:
-    _entry(both, "ann", 50.0)
-    first = _entry(both, "ben", 40.0)
-    second = _entry(both, "ben", 60.0)
-    _entry(both, "ben", 30.0)  # not the best: nothing changes
+def test_the_history_of_a_rank_has_a_point_for_each_change_of_the_own_row(backend: Backend) -> None:
+    _entry(backend, "ann", 50.0)
+    first = _entry(backend, "ben", 40.0)
+    second = _entry(backend, "ben", 60.0)
+    _entry(backend, "ben", 30.0)  # not the best: nothing changes
     for run_id in (second, first):
-        with both.database.writing() as session:
+        with backend.database.writing() as session:
             publications.withdraw(session, run_id)
-    with both.database.reading() as session:
-        points = rank_history.of_user(session, both.user_id("ben"), NAME)
+    with backend.database.reading() as session:
+        points = rank_history.of_user(session, backend.user_id("ben"), NAME)
 
     assert [(point.rank, point.people, point.score) for point in points] == [
         (2, 2, 40.0),
@@ -160,10 +160,12 @@ def test_the_history_of_a_rank_has_a_point_for_each_change_of_the_own_row(both: 
     ]
 
 
-def test_a_history_keeps_its_newest_points(both: Backend, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_history_keeps_its_newest_points(
+    backend: Backend, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(rank_history, "KEPT", 3)
-    ann = both.user_id("ann")
-    with both.database.writing() as session:
+    ann = backend.user_id("ann")
+    with backend.database.writing() as session:
         for rank in range(1, 7):
             rank_history.record(session, ann, NAME, rank=rank, score=1.0)
         points = rank_history.of_user(session, ann, NAME)

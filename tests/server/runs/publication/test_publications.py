@@ -52,11 +52,11 @@ def test_the_name_of_an_anonymous_entry_is_shown_only_after_it_is_revealed(both:
     assert (after.user, after.anonymous, both.show(run_id).user) == ("ann", False, "ann")
 
 
-def test_the_profile_of_a_user_tells_nothing_of_anonymous_runs(both: Backend) -> None:
-    publish(both, ranked(both))
-    user_id = both.user_id("ann")
+def test_the_profile_of_a_user_tells_nothing_of_anonymous_runs(backend: Backend) -> None:
+    publish(backend, ranked(backend))
+    user_id = backend.user_id("ann")
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert standings.of_user(session, user_id) == []
         assert rank_history.of_user(session, user_id, NAME) == []
         named = run_page(session, STRANGER, RunFilter(which="public", user="ann"))
@@ -66,31 +66,31 @@ def test_the_profile_of_a_user_tells_nothing_of_anonymous_runs(both: Backend) ->
     assert [run.user for run in every.runs] == ["Anonymous author"]
 
 
-def test_what_a_profile_told_while_an_entry_had_a_name_is_hidden_with_it(both: Backend) -> None:
-    run_id, user_id = publish(both, ranked(both), Terms()), both.user_id("ann")
-    with both.database.writing() as session:
+def test_what_a_profile_told_while_an_entry_had_a_name_is_hidden_with_it(backend: Backend) -> None:
+    run_id, user_id = publish(backend, ranked(backend), Terms()), backend.user_id("ann")
+    with backend.database.writing() as session:
         assert publications.withdraw(session, run_id)
 
-    publish(both, run_id)
+    publish(backend, run_id)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert standings.of_user(session, user_id) == []  # the score would tell which entry it is
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert publications.reveal(session, run_id)
         assert len(standings.of_user(session, user_id)[0].history) == 3
 
 
 def test_no_run_with_a_name_was_started_from_an_anonymous_one_while_that_was_private(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    run_id = ranked(both)
-    named = publish(both, both.succeeded("ann", rerun_of=run_id), Terms())
+    run_id = ranked(backend)
+    named = publish(backend, backend.succeeded("ann", rerun_of=run_id), Terms())
 
-    publish(both, run_id)
-    later = both.succeeded("ben", rerun_of=run_id)
+    publish(backend, run_id)
+    later = backend.succeeded("ben", rerun_of=run_id)
 
-    assert both.show(named).rerun_of is None  # only its author could read it then
-    assert both.show(later).rerun_of == run_id
+    assert backend.show(named).rerun_of is None  # only its author could read it then
+    assert backend.show(later).rerun_of == run_id
 
 
 def test_a_search_does_not_find_the_file_name_of_an_anonymous_run(both: Backend) -> None:
@@ -107,29 +107,29 @@ def test_a_search_does_not_find_the_file_name_of_an_anonymous_run(both: Backend)
 
 @pytest.mark.parametrize("anonymous", [True, False])
 def test_ranked_runs_of_a_user_in_a_benchmark_are_all_named_or_all_anonymous(
-    both: Backend, anonymous: bool
+    backend: Backend, anonymous: bool
 ) -> None:
-    publish(both, ranked(both, score=40.0), Terms(anonymous=anonymous))
-    second, practice = ranked(both, score=60.0), both.succeeded("ann")
+    publish(backend, ranked(backend, score=40.0), Terms(anonymous=anonymous))
+    second, practice = ranked(backend, score=60.0), backend.succeeded("ann")
 
     with pytest.raises(PublicationRefused, match="one row for each user"):
-        publish(both, second, Terms(anonymous=not anonymous))
-    publish(both, practice, Terms(anonymous=not anonymous))
-    publish(both, second, Terms(anonymous=anonymous))
+        publish(backend, second, Terms(anonymous=not anonymous))
+    publish(backend, practice, Terms(anonymous=not anonymous))
+    publish(backend, second, Terms(anonymous=anonymous))
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert only_rank(session).run_id == second
 
 
-def test_revealing_a_ranked_run_reveals_the_others_of_its_benchmark(both: Backend) -> None:
-    first, second, practice = ranked(both), ranked(both), both.succeeded("ann")
+def test_revealing_a_ranked_run_reveals_the_others_of_its_benchmark(backend: Backend) -> None:
+    first, second, practice = ranked(backend), ranked(backend), backend.succeeded("ann")
     for run_id in (first, second, practice):
-        publish(both, run_id)
+        publish(backend, run_id)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         publications.reveal(session, second)
 
-    users = [both.show(run_id).user for run_id in (first, second, practice)]
+    users = [backend.show(run_id).user for run_id in (first, second, practice)]
     assert users == ["ann", "ann", "Anonymous author"]
 
 
@@ -159,15 +159,15 @@ def test_with_the_results_alone_nobody_else_reads_program_log_or_traceback(both:
     ],
 )
 def test_a_licence_is_one_of_the_list_and_for_a_program_that_is_published(
-    both: Backend, built_in: bool, terms: Terms
+    backend: Backend, built_in: bool, terms: Terms
 ) -> None:
-    chosen = {} if built_in else {"controller": "upload", "program": both.store_program()}
-    run_id = both.succeeded("ann", **chosen)
+    chosen = {} if built_in else {"controller": "upload", "program": backend.store_program()}
+    run_id = backend.succeeded("ann", **chosen)
 
     with pytest.raises(PublicationRefused):
-        publish(both, run_id, terms)
+        publish(backend, run_id, terms)
 
-    assert not both.show(run_id).public
+    assert not backend.show(run_id).public
 
 
 @pytest.mark.parametrize(
@@ -195,36 +195,38 @@ def test_a_program_is_published_only_with_a_name_of_its_method_that_can_be_shown
     assert not both.show(run_id).public
 
 
-def test_the_name_of_a_method_is_one_line_and_outlives_a_withdrawal(both: Backend) -> None:
-    run_id = both.succeeded("ann", controller="upload", program=both.store_program())
-    publish(both, run_id, Terms(method="  Plan\n of  Anna\u202e ", anonymous=True))
+def test_the_name_of_a_method_is_one_line_and_outlives_a_withdrawal(backend: Backend) -> None:
+    run_id = backend.succeeded("ann", controller="upload", program=backend.store_program())
+    publish(backend, run_id, Terms(method="  Plan\n of  Anna\u202e ", anonymous=True))
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         publications.withdraw(session, run_id)
 
-    assert both.show(run_id).method == "Plan of Anna"  # to be suggested when it is published again
+    assert (
+        backend.show(run_id).method == "Plan of Anna"
+    )  # to be suggested when it is published again
 
 
-def test_a_built_in_solution_has_its_own_name(both: Backend) -> None:
-    run_id = publish(both, ranked(both, title="kp 0.7, third try"), Terms())
+def test_a_built_in_solution_has_its_own_name(backend: Backend) -> None:
+    run_id = publish(backend, ranked(backend, title="kp 0.7, third try"), Terms())
 
-    with both.database.reading() as session:
-        assert only_rank(session).method == both.show(run_id).method == "PI"
+    with backend.database.reading() as session:
+        assert only_rank(session).method == backend.show(run_id).method == "PI"
 
 
 @pytest.mark.parametrize("by", ["withdrawal", "closing the account"])
-def test_what_was_public_is_remembered_after_it_is_gone(both: Backend, by: str) -> None:
-    run_id = publish(both, ranked(both))
+def test_what_was_public_is_remembered_after_it_is_gone(backend: Backend, by: str) -> None:
+    run_id = publish(backend, ranked(backend))
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         if by == "withdrawal":
             assert publications.withdraw(session, run_id)
         else:
-            account_deletion.close(session, both.user_id("ann"), keep_published=False)
-    while by != "withdrawal" and account_deletion.step(both.database, both.settings):
+            account_deletion.close(session, backend.user_id("ann"), keep_published=False)
+    while by != "withdrawal" and account_deletion.step(backend.database, backend.settings):
         pass
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         found = publications.history(session, run_id)
         assert found is not None
         assert found.withdrawn_at is not None
@@ -232,19 +234,19 @@ def test_what_was_public_is_remembered_after_it_is_gone(both: Backend, by: str) 
 
 
 def test_a_run_that_is_published_again_keeps_its_first_date_and_no_earlier_terms(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    run_id = publish(both, ranked(both))
-    with both.database.writing() as session:
+    run_id = publish(backend, ranked(backend))
+    with backend.database.writing() as session:
         first = publications.history(session, run_id)
         assert first is not None
         first_at = first.first_at
         publications.withdraw(session, run_id)
 
-    publish(both, run_id, Terms())
+    publish(backend, run_id, Terms())
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         again = publications.history(session, run_id)
         assert again is not None
         assert (again.first_at, again.withdrawn_at) == (first_at, None)
-    assert both.show(run_id).user == "ann"
+    assert backend.show(run_id).user == "ann"

@@ -56,30 +56,30 @@ def _ends(both: Backend, slots: int) -> dict[int, float]:
         both.finish(claim)
 
 
-def test_nothing_is_estimated_before_anything_was_measured(both: Backend) -> None:
-    _slots(both, 2)
+def test_nothing_is_estimated_before_anything_was_measured(backend: Backend) -> None:
+    _slots(backend, 2)
 
-    assert both.show(both.queue("ann")).estimate_s is None
+    assert backend.show(backend.queue("ann")).estimate_s is None
 
 
 @pytest.mark.slow
-def test_an_estimate_follows_the_simulated_time_of_the_run(both: Backend) -> None:
-    _slots(both, 2)
-    early = both.queue("ben", config=LONG, trials=2)
-    both.cancel(both.queue("ann"))
-    early_claim = both.claim_next()
-    _measured(both, pace=0.5)
+def test_an_estimate_follows_the_simulated_time_of_the_run(backend: Backend) -> None:
+    _slots(backend, 2)
+    early = backend.queue("ben", config=LONG, trials=2)
+    backend.cancel(backend.queue("ann"))
+    early_claim = backend.claim_next()
+    _measured(backend, pace=0.5)
 
-    assert _estimate(both, both.queue("ann", config=SHORT)) == pytest.approx(5.0, rel=0.05)
-    assert _estimate(both, both.queue("eva", config=LONG, trials=3)) > 150.0
-    assert _estimate(both, early_claim.run_id) == pytest.approx(100.0, rel=0.05)
+    assert _estimate(backend, backend.queue("ann", config=SHORT)) == pytest.approx(5.0, rel=0.05)
+    assert _estimate(backend, backend.queue("eva", config=LONG, trials=3)) > 150.0
+    assert _estimate(backend, early_claim.run_id) == pytest.approx(100.0, rel=0.05)
     assert early == early_claim.run_id
 
 
-def test_recent_runs_count_more_than_old_ones(both: Backend) -> None:
-    run_id = both.succeeded("ann")
+def test_recent_runs_count_more_than_old_ones(backend: Backend) -> None:
+    run_id = backend.succeeded("ann")
     for wall_s in [*[100.0] * 10, *[20.0] * 30]:
-        with both.database.writing() as session:
+        with backend.database.writing() as session:
             paces.record(session, run_id, wall_s=wall_s, simulated_s=100.0)
             pace = paces.expected_s(session, session.get_one(Run, run_id), 1.0)
 
@@ -90,20 +90,20 @@ def test_recent_runs_count_more_than_old_ones(both: Backend) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("slots", [1, 2, 4])
 def test_every_estimate_in_a_known_queue_is_within_a_factor_of_two(
-    both: Backend, slots: int
+    backend: Backend, slots: int
 ) -> None:
-    _measured(both, pace=1.0)
-    _slots(both, slots)
+    _measured(backend, pace=1.0)
+    _slots(backend, slots)
     for who, config in (("ann", SHORT), ("ben", LONG), ("eva", SHORT), ("guest", LONG)):
         for _ in range(3):
-            both.queue(who, config=config)
+            backend.queue(who, config=config)
     for who in ("ann", "ann", "ben", "guest"):
-        both.queue(who, config=SHORT)
-    with both.database.reading() as session:
+        backend.queue(who, config=SHORT)
+    with backend.database.reading() as session:
         queued = [run_id for run_id in range(1, 30) if session.get(Run, run_id)][1:]
-    estimates = {run_id: _estimate(both, run_id) for run_id in queued}
+    estimates = {run_id: _estimate(backend, run_id) for run_id in queued}
 
-    ends = _ends(both, slots)
+    ends = _ends(backend, slots)
 
     assert set(ends) == set(queued)
     wrong = {run_id: (estimates[run_id], end) for run_id, end in ends.items()}

@@ -64,10 +64,10 @@ def verified(both: Backend, run_id: int, fresh: Sequence[float]) -> Verification
         return verifications.of_run(session, run_id)[0]
 
 
-def test_a_mark_names_date_version_digest_and_a_score_that_agrees(both: Backend) -> None:
-    run_id = published(both)
+def test_a_mark_names_date_version_digest_and_a_score_that_agrees(backend: Backend) -> None:
+    run_id = published(backend)
 
-    found = verified(both, run_id, (0.11, 0.13, 0.12, 0.17, 0.10, 0.13))
+    found = verified(backend, run_id, (0.11, 0.13, 0.12, 0.17, 0.10, 0.13))
 
     assert found.outcome is Outcome.AGREES
     assert found.at > 0
@@ -76,22 +76,24 @@ def test_a_mark_names_date_version_digest_and_a_score_that_agrees(both: Backend)
     assert found.score is not None
     assert found.score == pytest.approx(0.1267, abs=1e-3)
     assert (found.expected_low or 1.0) < found.score < (found.expected_high or 0.0)
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert verifications.newest(session, [run_id]) == {run_id: found}
 
 
-def test_a_program_that_is_good_in_its_published_water_alone_does_not_agree(both: Backend) -> None:
-    run_id = published(both, (7.0, 7.0, 7.0, 7.0, 7.0, 7.0))  # it knows it: no spread either
+def test_a_program_that_is_good_in_its_published_water_alone_does_not_agree(
+    backend: Backend,
+) -> None:
+    run_id = published(backend, (7.0, 7.0, 7.0, 7.0, 7.0, 7.0))  # it knows it: no spread either
 
-    found = verified(both, run_id, HONEST)
+    found = verified(backend, run_id, HONEST)
 
     assert found.outcome is Outcome.DIFFERS
 
 
-def test_a_score_that_is_always_the_same_agrees_with_itself(both: Backend) -> None:
-    run_id = published(both, (0.5,) * 6)
+def test_a_score_that_is_always_the_same_agrees_with_itself(backend: Backend) -> None:
+    run_id = published(backend, (0.5,) * 6)
 
-    assert verified(both, run_id, (0.5,) * 6).outcome is Outcome.AGREES
+    assert verified(backend, run_id, (0.5,) * 6).outcome is Outcome.AGREES
 
 
 @pytest.mark.slow
@@ -127,17 +129,17 @@ def test_a_program_that_fails_in_fresh_water_is_marked_as_failed(both: Backend) 
     assert (found.outcome, found.cause, found.score) == (Outcome.FAILED, "user_error", None)
 
 
-def test_the_water_of_a_verification_is_new_but_for_the_reference_trials(both: Backend) -> None:
-    run_id = published(both)
-    request(both, run_id)
-    first = both.claim_next()
-    finish(both, first, HONEST)
-    request(both, run_id, repeat=True)
+def test_the_water_of_a_verification_is_new_but_for_the_reference_trials(backend: Backend) -> None:
+    run_id = published(backend)
+    request(backend, run_id)
+    first = backend.claim_next()
+    finish(backend, first, HONEST)
+    request(backend, run_id, repeat=True)
 
     assert PROTOCOL is not None
-    published_seeds = seeds.derived(both.show(run_id), both.settings)
+    published_seeds = seeds.derived(backend.show(run_id), backend.settings)
     drawn = [list(each or ()) for each in (published_seeds, first.trial_seeds)]
-    drawn.append(list(both.claim_next().trial_seeds or ()))
+    drawn.append(list(backend.claim_next().trial_seeds or ()))
 
     fresh = [set(each[REFERENCE : PROTOCOL.trials]) for each in drawn]
     assert not fresh[0] & fresh[1] | fresh[1] & fresh[2] | fresh[0] & fresh[2]
@@ -145,13 +147,13 @@ def test_the_water_of_a_verification_is_new_but_for_the_reference_trials(both: B
 
 
 def test_a_first_version_is_verified_in_other_water_than_that_which_all_runs_share(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    claim = both.running("ann", kind="ranked")
-    assert both.finish(claim)
-    request(both, both.publish(claim.run_id))
+    claim = backend.running("ann", kind="ranked")
+    assert backend.finish(claim)
+    request(backend, backend.publish(claim.run_id))
 
-    published, again = claim, both.claim_next()
+    published, again = claim, backend.claim_next()
 
     shared, drawn = (set(run.trial_seeds or ()) for run in (published, again))
     assert len(shared) == len(drawn) == 10
@@ -173,41 +175,43 @@ def test_verifications_wait_for_all_runs_of_users_and_count_for_no_quota(both: B
         assert rank.submissions == 1
 
 
-def test_nobody_asks_until_chance_gives_a_better_mark(both: Backend) -> None:
-    run_id = published(both)
-    request(both, run_id)
+def test_nobody_asks_until_chance_gives_a_better_mark(backend: Backend) -> None:
+    run_id = published(backend)
+    request(backend, run_id)
     with pytest.raises(VerificationRefused, match="is being verified"):
-        request(both, run_id, repeat=True)
-    finish(both, both.claim_next(), HONEST)
+        request(backend, run_id, repeat=True)
+    finish(backend, backend.claim_next(), HONEST)
 
     with pytest.raises(VerificationRefused, match="has verified the run already"):
-        request(both, run_id)
+        request(backend, run_id)
 
-    assert request(both, run_id, repeat=True)
+    assert request(backend, run_id, repeat=True)
 
 
-def test_a_verification_that_broke_says_nothing_and_can_be_asked_for_again(both: Backend) -> None:
-    run_id = published(both)
-    request(both, run_id)
+def test_a_verification_that_broke_says_nothing_and_can_be_asked_for_again(
+    backend: Backend,
+) -> None:
+    run_id = published(backend)
+    request(backend, run_id)
     broken: dict[str, Any] = {"state": RunState.FAILED, "cause": "platform_error", "metrics": None}
-    assert both.finish(both.claim_next(), **broken)
+    assert backend.finish(backend.claim_next(), **broken)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert verifications.of_run(session, run_id) == []
-    assert request(both, run_id)
+    assert request(backend, run_id)
 
 
 @pytest.mark.parametrize("kind", ["practice", "private", "withdrawn"])
-def test_only_published_entries_are_verified(both: Backend, kind: str) -> None:
+def test_only_published_entries_are_verified(backend: Backend, kind: str) -> None:
     if kind == "practice":
-        run_id = both.published("ann")
+        run_id = backend.published("ann")
     else:
-        run_id = published(both)
-        with both.database.writing() as session:
+        run_id = published(backend)
+        with backend.database.writing() as session:
             publications.withdraw(session, run_id)
 
     with pytest.raises(VerificationRefused, match="Only published ranked runs"):
-        request(both, run_id)
+        request(backend, run_id)
 
 
 def test_the_first_entries_of_a_leaderboard_are_verified_once_if_a_setting_says_so(
@@ -238,37 +242,41 @@ def test_the_mark_follows_a_run_that_has_no_row_on_the_leaderboard_any_more(both
         assert verifications.of_run(session, run_id) == [before]
 
 
-def test_nothing_of_the_fresh_water_is_kept_to_be_seen(both: Backend) -> None:
-    run_id = published(both)
-    again = request(both, run_id)
-    claim = both.claim_next()
-    finish(both, claim, HONEST)
+def test_nothing_of_the_fresh_water_is_kept_to_be_seen(backend: Backend) -> None:
+    run_id = published(backend)
+    again = request(backend, run_id)
+    claim = backend.claim_next()
+    finish(backend, claim, HONEST)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         hidden = session.get_one(Run, again)
         assert hidden.data_deleted_at is not None
         assert hidden.data_bytes == 0
 
 
 def test_what_is_evaluated_again_is_the_program_and_the_configuration_that_were_published(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    program = both.store_program()
-    claim = both.running("ann", kind="ranked", benchmark=NAME, controller="upload", program=program)
-    finish(both, claim, HONEST)
-    request(both, both.publish(claim.run_id))
+    program = backend.store_program()
+    claim = backend.running(
+        "ann", kind="ranked", benchmark=NAME, controller="upload", program=program
+    )
+    finish(backend, claim, HONEST)
+    request(backend, backend.publish(claim.run_id))
 
-    again = both.claim_next()
+    again = backend.claim_next()
 
     names = ("benchmark", "kind", "config", "controller", "program_sha256", "language", "trials")
     assert [getattr(again, name) for name in names] == [getattr(claim, name) for name in names]
 
 
-def test_a_spread_that_only_the_published_run_has_does_not_hide_a_difference(both: Backend) -> None:
+def test_a_spread_that_only_the_published_run_has_does_not_hide_a_difference(
+    backend: Backend,
+) -> None:
     """It knew the water of the published run, and did well in half of its trials alone."""
-    run_id = published(both, (7.0, 7.0, 0.1, 0.1) * 3)
+    run_id = published(backend, (7.0, 7.0, 0.1, 0.1) * 3)
 
-    found = verified(both, run_id, HONEST * 2)
+    found = verified(backend, run_id, HONEST * 2)
 
     assert found.score is not None
     assert found.outcome is Outcome.DIFFERS
@@ -276,71 +284,71 @@ def test_a_spread_that_only_the_published_run_has_does_not_hide_a_difference(bot
 
 
 def test_a_program_that_stops_the_simulation_in_fresh_water_has_failed_and_has_no_second_try(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    run_id = published(both)
-    request(both, run_id)
+    run_id = published(backend)
+    request(backend, run_id)
     diverged: dict[str, Any] = {"state": RunState.FAILED, "cause": "benchmark_error"}
 
-    assert both.finish(both.claim_next(), **diverged, metrics=None, t_simulated=40.0)
+    assert backend.finish(backend.claim_next(), **diverged, metrics=None, t_simulated=40.0)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         (found,) = verifications.of_run(session, run_id)
     assert (found.outcome, found.cause) == (Outcome.FAILED, "benchmark_error")
     with pytest.raises(VerificationRefused, match="has verified the run already"):
-        request(both, run_id)
+        request(backend, run_id)
 
 
 def test_a_configuration_that_is_no_longer_valid_says_nothing_about_the_program(
-    both: Backend,
+    backend: Backend,
 ) -> None:
-    run_id = published(both)
-    request(both, run_id)
+    run_id = published(backend)
+    request(backend, run_id)
     invalid: dict[str, Any] = {"state": RunState.FAILED, "cause": "benchmark_error"}
 
-    assert both.finish(both.claim_next(), **invalid, metrics=None, t_simulated=0.0)
+    assert backend.finish(backend.claim_next(), **invalid, metrics=None, t_simulated=0.0)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert verifications.of_run(session, run_id) == []
 
 
-def test_what_breaks_again_and_again_is_not_tried_for_ever(both: Backend) -> None:
-    run_id = published(both)
+def test_what_breaks_again_and_again_is_not_tried_for_ever(backend: Backend) -> None:
+    run_id = published(backend)
     broken: dict[str, Any] = {"state": RunState.FAILED, "cause": "platform_error", "metrics": None}
     for _ in range(verifications.BROKEN_MAX):
-        request(both, run_id)
-        assert both.finish(both.claim_next(), **broken)
+        request(backend, run_id)
+        assert backend.finish(backend.claim_next(), **broken)
 
     with pytest.raises(VerificationRefused, match="ask an admin"):
-        request(both, run_id)
+        request(backend, run_id)
 
-    assert request(both, run_id, repeat=True)
+    assert request(backend, run_id, repeat=True)
 
 
-def test_withdrawing_a_run_while_it_is_verified_does_not_avoid_the_mark(both: Backend) -> None:
-    run_id = published(both, (7.0, 7.1) * 3)
-    request(both, run_id)
-    with both.database.writing() as session:
+def test_withdrawing_a_run_while_it_is_verified_does_not_avoid_the_mark(backend: Backend) -> None:
+    run_id = published(backend, (7.0, 7.1) * 3)
+    request(backend, run_id)
+    with backend.database.writing() as session:
         assert publications.withdraw(session, run_id)
-    finish(both, both.claim_next(), HONEST)
+    finish(backend, backend.claim_next(), HONEST)
 
-    both.publish(run_id)
+    backend.publish(run_id)
 
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         assert verifications.of_run(session, run_id)[0].outcome is Outcome.DIFFERS
     with pytest.raises(VerificationRefused, match="has verified the run already"):
-        request(both, run_id)
+        request(backend, run_id)
 
 
 def test_the_same_submission_has_the_same_fresh_water_and_so_no_second_chance(
-    both: Backend,
+    backend: Backend,
 ) -> None:
     waters = []
     for who in ("ann", "ben"):
-        request(both, published(both, who=who))
-        claim = both.claim_next()
+        request(backend, published(backend, who=who))
+        claim = backend.claim_next()
         waters.append(claim.trial_seeds or ())
-        finish(both, claim, HONEST)
+        finish(backend, claim, HONEST)
 
     assert PROTOCOL is not None
     first, second = waters

@@ -135,29 +135,29 @@ def test_another_seed_key_gives_other_fresh_seeds(settings: Settings) -> None:
 
 @pytest.mark.parametrize("benchmark", ["currents-v1", "currents-v2"])
 def test_the_images_of_a_ranked_run_have_the_seeds_of_its_simulation(
-    both: Backend, benchmark: str
+    backend: Backend, benchmark: str
 ) -> None:
-    program = both.store_program()
-    claim = both.running(
+    program = backend.store_program()
+    claim = backend.running(
         "ann", benchmark=benchmark, kind="ranked", controller="upload", program=program
     )
 
-    both.finish(claim)
+    backend.finish(claim)
 
-    shown = trial_seeds(both.show(claim.run_id), both.settings)
+    shown = trial_seeds(backend.show(claim.run_id), backend.settings)
     assert tuple(map(shown, range(claim.trials))) == claim.trial_seeds
 
 
-def test_the_seeds_of_a_run_are_in_its_row_until_it_has_ended(both: Backend) -> None:
+def test_the_seeds_of_a_run_are_in_its_row_until_it_has_ended(backend: Backend) -> None:
     wanted: dict[str, Any] = {"benchmark": "currents-v2", "kind": "ranked"}
-    ended, cancelled = (both.running(who, **wanted) for who in ("ann", "ben"))
-    practice = both.running("eva", benchmark="currents-v2")
-    before = [_stored(both, claim) for claim in (ended, cancelled, practice)]
-    both.finish(ended)
-    both.cancel(cancelled.run_id)
+    ended, cancelled = (backend.running(who, **wanted) for who in ("ann", "ben"))
+    practice = backend.running("eva", benchmark="currents-v2")
+    before = [_stored(backend, claim) for claim in (ended, cancelled, practice)]
+    backend.finish(ended)
+    backend.cancel(cancelled.run_id)
 
     assert [len(each or ()) for each in before] == [TRIALS, TRIALS, 0]
-    assert [_stored(both, claim) for claim in (ended, cancelled)] == [None, None]
+    assert [_stored(backend, claim) for claim in (ended, cancelled)] == [None, None]
 
 
 def test_a_run_of_an_earlier_version_gets_its_seeds_from_who_has_the_key(both: Backend) -> None:
@@ -172,8 +172,8 @@ def test_a_run_of_an_earlier_version_gets_its_seeds_from_who_has_the_key(both: B
     assert _stored(both, claim) == list(claim.trial_seeds or ())
 
 
-def test_without_the_key_no_seed_of_a_ranked_run_is_derived(both: Backend) -> None:
-    keyless = both.settings.model_copy(update={"seed_key": DERIVES_NOTHING})
+def test_without_the_key_no_seed_of_a_ranked_run_is_derived(backend: Backend) -> None:
+    keyless = backend.settings.model_copy(update={"seed_key": DERIVES_NOTHING})
 
     with pytest.raises(RuntimeError, match="no seed key"):
         trial_seeds(_run(), keyless)

@@ -30,32 +30,32 @@ def _totals(both: Backend) -> tuple[dict[str, int], float]:
         return {str(state): number for state, number in counts.items() if number}, simulated_s
 
 
-def test_every_run_is_counted_once_before_and_after_maintenance(both: Backend) -> None:
-    with both.database.writing() as session:
+def test_every_run_is_counted_once_before_and_after_maintenance(backend: Backend) -> None:
+    with backend.database.writing() as session:
         counters.store(session, totals.UNTIL, 0.0)  # the database is an old one
-    _age(both, both.succeeded("ann"), 1000.0)
-    _sweep(both)
-    both.failed({})
-    both.succeeded("ben")
-    both.cancel(both.queue("ann"))
-    both.running("eva")
-    both.queue("ann")
+    _age(backend, backend.succeeded("ann"), 1000.0)
+    _sweep(backend)
+    backend.failed({})
+    backend.succeeded("ben")
+    backend.cancel(backend.queue("ann"))
+    backend.running("eva")
+    backend.queue("ann")
     expected = {"succeeded": 2, "failed": 1, "cancelled": 1, "running": 1, "queued": 1}
 
-    before = _totals(both)
-    _sweep(both)
-    _sweep(both)
+    before = _totals(backend)
+    _sweep(backend)
+    _sweep(backend)
 
-    assert _totals(both) == before
+    assert _totals(backend) == before
     assert before[0] == expected
     assert before[1] == pytest.approx(3 * 1800.0)
 
 
-def test_the_oldest_queued_run_is_found(both: Backend) -> None:
-    with both.database.reading() as session:
+def test_the_oldest_queued_run_is_found(backend: Backend) -> None:
+    with backend.database.reading() as session:
         assert totals.oldest_queued_at(session) is None
-    first = both.queue("ann")
-    both.queue("ben")
+    first = backend.queue("ann")
+    backend.queue("ben")
 
-    with both.database.reading() as session:
-        assert totals.oldest_queued_at(session) == both.show(first).queued_at
+    with backend.database.reading() as session:
+        assert totals.oldest_queued_at(session) == backend.show(first).queued_at

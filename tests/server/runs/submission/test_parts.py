@@ -57,12 +57,12 @@ def test_a_run_shows_its_parts_and_hands_them_to_the_worker(both: Backend) -> No
 
 @pytest.mark.parametrize("languages", [(), ("python",), ("c",)])
 def test_only_a_worker_that_runs_all_languages_gets_the_run(
-    both: Backend, languages: tuple[str, ...]
+    backend: Backend, languages: tuple[str, ...]
 ) -> None:
-    both.queue("ann", **with_parts(both))
+    backend.queue("ann", **with_parts(backend))
 
-    assert both.claim("w1", languages=languages) is None
-    assert both.claim("w2", languages=("c", "python")) is not None
+    assert backend.claim("w1", languages=languages) is None
+    assert backend.claim("w2", languages=("c", "python")) is not None
 
 
 @pytest.mark.parametrize(
@@ -77,79 +77,81 @@ def test_only_a_worker_that_runs_all_languages_gets_the_run(
     ],
 )
 def test_what_a_run_cannot_have_is_refused_at_its_field(
-    both: Backend, changes: dict[str, Any], field: str, sentence: str
+    backend: Backend, changes: dict[str, Any], field: str, sentence: str
 ) -> None:
-    changes = {name: both.viewers.get(str(one), one) for name, one in changes.items()}
+    changes = {name: backend.viewers.get(str(one), one) for name, one in changes.items()}
 
     with pytest.raises(SubmissionRejected, match=sentence) as refused:
-        both.queue("ann", **with_parts(both, **changes))
+        backend.queue("ann", **with_parts(backend, **changes))
 
     assert refused.value.field == field
 
 
-def test_an_account_is_needed_for_a_part(both: Backend) -> None:
+def test_an_account_is_needed_for_a_part(backend: Backend) -> None:
     with pytest.raises(AccountNeeded):
-        both.queue("guest", **with_parts(both))
+        backend.queue("guest", **with_parts(backend))
 
 
-def test_a_language_that_cannot_have_the_role_is_refused(both: Backend) -> None:
+def test_a_language_that_cannot_have_the_role_is_refused(backend: Backend) -> None:
     fmu = StoredProgram("0" * 64, "model.fmu", "fmu", size=1)
 
     with pytest.raises(SubmissionRejected, match="FMU") as refused:
-        both.queue("ann", **with_parts(both, parts={"tracker": fmu}))
+        backend.queue("ann", **with_parts(backend, parts={"tracker": fmu}))
 
     assert refused.value.field == parts.field("tracker")
 
 
-def test_a_rerun_has_the_same_parts(both: Backend) -> None:
-    run_id = both.queue("ann", **with_parts(both))
+def test_a_rerun_has_the_same_parts(backend: Backend) -> None:
+    run_id = backend.queue("ann", **with_parts(backend))
 
-    assert rows_of(both, both.rerun(run_id)) == rows_of(both, run_id)
+    assert rows_of(backend, backend.rerun(run_id)) == rows_of(backend, run_id)
 
 
-def test_a_run_whose_part_is_gone_cannot_run_again(both: Backend) -> None:
-    given = with_parts(both)
-    run_id = both.queue("ann", **given)
-    store.path(both.settings, given["parts"]["tracker"].sha256).unlink()
+def test_a_run_whose_part_is_gone_cannot_run_again(backend: Backend) -> None:
+    given = with_parts(backend)
+    run_id = backend.queue("ann", **given)
+    store.path(backend.settings, given["parts"]["tracker"].sha256).unlink()
 
     with pytest.raises(SubmissionRejected, match="The tracker of this run has been deleted"):
-        both.rerun(run_id)
+        backend.rerun(run_id)
 
 
-def test_a_run_that_is_computed_again_has_the_same_parts(both: Backend) -> None:
-    run_id = both.queue("ann", **with_parts(both, kind="ranked"))
+def test_a_run_that_is_computed_again_has_the_same_parts(backend: Backend) -> None:
+    run_id = backend.queue("ann", **with_parts(backend, kind="ranked"))
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         original = session.get_one(Run, run_id)
-        again = rejudged.enqueue(session, original, "rejudgement:1", both.settings, draw=1)
+        again = rejudged.enqueue(session, original, "rejudgement:1", backend.settings, draw=1)
         session.flush()
         again_id, seeds = again.id, (original.trial_seeds, again.trial_seeds)
 
-    assert rows_of(both, again_id) == rows_of(both, run_id)
+    assert rows_of(backend, again_id) == rows_of(backend, run_id)
     assert seeds[0] != seeds[1]
 
 
-def test_each_part_decides_the_fresh_seeds_and_its_name_does_not(both: Backend) -> None:
-    one, renamed = stored(both), stored(both)
-    renamed["tracker"] = both.store_program(TRACKER, "other.py", "tracker")
+def test_each_part_decides_the_fresh_seeds_and_its_name_does_not(backend: Backend) -> None:
+    one, renamed = stored(backend), stored(backend)
+    renamed["tracker"] = backend.store_program(TRACKER, "other.py", "tracker")
     runs = [
-        both.queue("ann", **with_parts(both, kind="ranked", parts=given))
+        backend.queue("ann", **with_parts(backend, kind="ranked", parts=given))
         for given in (one, renamed, {"tracker": one["tracker"]}, {})
     ]
 
-    digests = [both.show(run_id).submission for run_id in runs]
+    digests = [backend.show(run_id).submission for run_id in runs]
 
     assert digests[0] == digests[1]
     assert len(set(digests)) == 3
 
 
-def test_a_ranked_run_refuses_the_settings_that_its_own_tracker_makes_void(both: Backend) -> None:
-    tracker = {"tracker": stored(both)["tracker"]}
-    given = with_parts(both, kind="ranked", config={"tracker": "klt"})
+def test_a_ranked_run_refuses_the_settings_that_its_own_tracker_makes_void(
+    backend: Backend,
+) -> None:
+    tracker = {"tracker": stored(backend)["tracker"]}
+    given = with_parts(backend, kind="ranked", config={"tracker": "klt"})
 
     with pytest.raises(ConfigurationInvalid, match="has no effect"):
-        both.queue("ann", **given | {"parts": tracker})
-    assert both.queue("ann", **given | {"parts": {}})
+        backend.queue("ann", **given | {"parts": tracker})
+    assert backend.queue("ann", **given | {"parts": {}})
 
 
 def test_programs_of_parts_are_kept_as_long_as_the_data_of_the_run(both: Backend) -> None:
@@ -195,21 +197,21 @@ def published(both: Backend, **terms: Any) -> int:
     return both.publish(run_id, **{"method": "Own eyes"} | terms)
 
 
-def test_parts_are_published_as_a_program_is(both: Backend) -> None:
-    hidden = both.show(published(both, program=False))
-    licensed = both.show(published(both, licence="MIT"))
+def test_parts_are_published_as_a_program_is(backend: Backend) -> None:
+    hidden = backend.show(published(backend, program=False))
+    licensed = backend.show(published(backend, licence="MIT"))
 
     assert (hidden.program_public, licensed.program_public) == (False, True)
     assert licensed.licence == "MIT"
 
 
-def test_a_method_with_own_parts_needs_a_name(both: Backend) -> None:
+def test_a_method_with_own_parts_needs_a_name(backend: Backend) -> None:
     with pytest.raises(PublicationRefused, match="Name the method"):
-        published(both, method="")
+        published(backend, method="")
 
 
-def test_an_anonymous_run_does_not_show_what_its_author_called_the_parts(both: Backend) -> None:
-    run = both.show(published(both, anonymous=True))
+def test_an_anonymous_run_does_not_show_what_its_author_called_the_parts(backend: Backend) -> None:
+    run = backend.show(published(backend, anonymous=True))
 
     assert [part.program_name for part in run.parts] == ["program.c", "program.py"]
     assert set(run.hidden_names) == {"find.c", "follow.py"}

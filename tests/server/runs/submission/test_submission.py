@@ -29,35 +29,35 @@ def _worker(both: Backend, level: str, *languages: str, seen_at: float | None = 
         session.add(worker)
 
 
-def test_a_submission_is_completed_from_the_benchmark(both: Backend) -> None:
-    run_id = both.queue("ann", config={"kp": 0.7})
+def test_a_submission_is_completed_from_the_benchmark(backend: Backend) -> None:
+    run_id = backend.queue("ann", config={"kp": 0.7})
 
-    view = both.show(run_id)
+    view = backend.show(run_id)
     assert view.config["kp"] == 0.7
     assert "level_duration_s" in view.config
     assert view.seed is not None
 
 
-def test_a_wrong_configuration_is_refused_by_field(both: Backend) -> None:
+def test_a_wrong_configuration_is_refused_by_field(backend: Backend) -> None:
     with pytest.raises(ConfigurationInvalid) as refusal:
-        both.queue("ann", config={"kp": "much", "levels": []})
+        backend.queue("ann", config={"kp": "much", "levels": []})
 
     assert set(refusal.value.errors) == {"kp", "levels"}
 
 
-def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
-    run_id = both.queue("ann", config={"kp": 0.9}, kind=RunKind.RANKED)
+def test_a_ranked_run_gets_the_scenario_of_the_benchmark(backend: Backend) -> None:
+    run_id = backend.queue("ann", config={"kp": 0.9}, kind=RunKind.RANKED)
 
-    view = both.show(run_id)
+    view = backend.show(run_id)
     assert len(view.config["levels"]) > 1
     assert view.config["kp"] == 0.9
 
 
-def test_a_ranked_run_refuses_each_setting_that_differs_from_the_scenario(both: Backend) -> None:
+def test_a_ranked_run_refuses_each_setting_that_differs_from_the_scenario(backend: Backend) -> None:
     changes = {"levels": [0.0], "level_duration_s": 120.0, "vehicle": "bluerov2-heavy", "kp": 0.9}
 
     with pytest.raises(ConfigurationInvalid) as refusal:
-        both.queue("ann", config=changes, kind=RunKind.RANKED)
+        backend.queue("ann", config=changes, kind=RunKind.RANKED)
 
     assert set(refusal.value.errors) == {"levels", "vehicle"}
     assert refusal.value.errors["levels"] == (
@@ -66,20 +66,20 @@ def test_a_ranked_run_refuses_each_setting_that_differs_from_the_scenario(both: 
     )
 
 
-def test_the_scenario_itself_may_be_sent_with_a_ranked_run(both: Backend) -> None:
-    first = both.show(both.queue("ann", kind=RunKind.RANKED))
+def test_the_scenario_itself_may_be_sent_with_a_ranked_run(backend: Backend) -> None:
+    first = backend.show(backend.queue("ann", kind=RunKind.RANKED))
 
-    again = both.queue("ann", config=first.config, trials=first.trials, kind=RunKind.RANKED)
+    again = backend.queue("ann", config=first.config, trials=first.trials, kind=RunKind.RANKED)
 
-    assert both.show(again).config == first.config
+    assert backend.show(again).config == first.config
 
 
 @pytest.mark.parametrize(("field", "value"), [("seed", 7), ("trials", 1)])
 def test_a_ranked_run_refuses_a_seed_and_a_number_of_trials(
-    both: Backend, field: str, value: int
+    backend: Backend, field: str, value: int
 ) -> None:
     with pytest.raises(SubmissionRejected, match="practice run") as refusal:
-        both.queue("ann", kind=RunKind.RANKED, **{"seed": None, field: value})
+        backend.queue("ann", kind=RunKind.RANKED, **{"seed": None, field: value})
 
     assert refusal.value.field == field
 
@@ -97,31 +97,33 @@ def test_a_ranked_run_refuses_a_seed_and_a_number_of_trials(
         {"seed": 2**31},
     ],
 )
-def test_a_submission_that_breaks_a_rule_is_refused(both: Backend, changes: dict[str, Any]) -> None:
+def test_a_submission_that_breaks_a_rule_is_refused(
+    backend: Backend, changes: dict[str, Any]
+) -> None:
     with pytest.raises(SubmissionRejected):
-        both.queue("guest", **changes)
+        backend.queue("guest", **changes)
 
 
-def test_a_guest_can_run_a_built_in_controller_but_not_an_upload(both: Backend) -> None:
-    assert both.queue("guest")
+def test_a_guest_can_run_a_built_in_controller_but_not_an_upload(backend: Backend) -> None:
+    assert backend.queue("guest")
     with pytest.raises(SubmissionRejected, match="account"):
-        both.queue("guest", controller="upload", program=both.store_program())
+        backend.queue("guest", controller="upload", program=backend.store_program())
 
 
-def test_a_viewer_without_account_and_cookie_cannot_submit(both: Backend) -> None:
+def test_a_viewer_without_account_and_cookie_cannot_submit(backend: Backend) -> None:
     with pytest.raises(SubmissionRejected):
-        both.queue("nobody")
+        backend.queue("nobody")
 
 
-def test_the_quota_of_live_runs_is_enforced_and_freed_by_a_cancel(both: Backend) -> None:
-    made = [both.queue("ann") for _ in range(both.settings.quota_live)]
+def test_the_quota_of_live_runs_is_enforced_and_freed_by_a_cancel(backend: Backend) -> None:
+    made = [backend.queue("ann") for _ in range(backend.settings.quota_live)]
 
     with pytest.raises(QuotaExceeded, match="waiting or running"):
-        both.queue("ann")
-    with both.database.writing() as session:
+        backend.queue("ann")
+    with backend.database.writing() as session:
         results.cancel(session, made[0])
 
-    assert both.queue("ann")
+    assert backend.queue("ann")
 
 
 def test_only_completed_runs_count_for_the_daily_quota(both: Backend) -> None:
@@ -141,45 +143,45 @@ def test_only_completed_runs_count_for_the_daily_quota(both: Backend) -> None:
     assert (used.live, used.day) == (0, 1)
 
 
-def test_uploads_are_refused_if_no_living_worker_can_isolate_them(both: Backend) -> None:
-    _worker(both, "none", "python")
-    _worker(both, "strong", "python", seen_at=time.time() - 3600)
+def test_uploads_are_refused_if_no_living_worker_can_isolate_them(backend: Backend) -> None:
+    _worker(backend, "none", "python")
+    _worker(backend, "strong", "python", seen_at=time.time() - 3600)
 
     with pytest.raises(SubmissionRejected, match="seamark doctor"):
-        both.queue("ann", controller="upload", program=both.store_program())
+        backend.queue("ann", controller="upload", program=backend.store_program())
 
 
-def test_uploads_are_queued_while_there_is_no_worker(both: Backend) -> None:
-    assert both.queue("ann", controller="upload", program=both.store_program())
+def test_uploads_are_queued_while_there_is_no_worker(backend: Backend) -> None:
+    assert backend.queue("ann", controller="upload", program=backend.store_program())
 
 
-def test_a_language_that_no_worker_has_is_refused(both: Backend) -> None:
-    _worker(both, "strong", "c")
+def test_a_language_that_no_worker_has_is_refused(backend: Backend) -> None:
+    _worker(backend, "strong", "c")
 
     with pytest.raises(SubmissionRejected, match="programs in Python"):
-        both.queue("ann", controller="upload", program=both.store_program())
+        backend.queue("ann", controller="upload", program=backend.store_program())
 
 
 def test_a_controller_that_cannot_get_images_is_refused_them_by_field(
-    both: Backend, tmp_path: Path
+    backend: Backend, tmp_path: Path
 ) -> None:
-    program = both.store_program(host_compiler.fmu("fmi2", tmp_path), "pi.fmu")
+    program = backend.store_program(host_compiler.fmu("fmi2", tmp_path), "pi.fmu")
     run: dict[str, Any] = {"benchmark": "currents-v2", "controller": "upload", "program": program}
 
     with pytest.raises(SubmissionRejected, match="not in FMU") as refusal:
-        both.queue("ann", config={"images": "vehicle"}, **run)
+        backend.queue("ann", config={"images": "vehicle"}, **run)
 
     assert refusal.value.field == "images"
-    assert both.queue("ann", config={"images": "none"}, **run)
+    assert backend.queue("ann", config={"images": "none"}, **run)
 
 
-def test_a_rerun_is_a_new_run_of_the_same_submission(both: Backend) -> None:
-    old = both.show(both.queue("ann", config={"kp": 0.7}, seed=11, title="first"))
+def test_a_rerun_is_a_new_run_of_the_same_submission(backend: Backend) -> None:
+    old = backend.show(backend.queue("ann", config={"kp": 0.7}, seed=11, title="first"))
 
-    with both.database.writing() as session:
-        new_id = submission.rerun(session, old.id, both.viewers["ann"], both.settings)
+    with backend.database.writing() as session:
+        new_id = submission.rerun(session, old.id, backend.viewers["ann"], backend.settings)
 
-    new = both.show(new_id)
+    new = backend.show(new_id)
     assert new.rerun_of == old.id
     assert (new.config, new.seed, new.title) == (old.config, 11, "first")
 
@@ -211,9 +213,9 @@ def test_baselines_are_queued_once_claimed_last_and_published(both: Backend) -> 
 
 @pytest.mark.parametrize("kind", RunKind)
 @pytest.mark.parametrize("name", registry.REFERENCE_CONTROLLERS)
-def test_nobody_can_submit_a_reference_entry(both: Backend, name: str, kind: RunKind) -> None:
+def test_nobody_can_submit_a_reference_entry(backend: Backend, name: str, kind: RunKind) -> None:
     with pytest.raises(SubmissionRejected, match="is a reference entry: the service runs it"):
-        both.queue("ann", controller=name, kind=kind)
+        backend.queue("ann", controller=name, kind=kind)
 
 
 def test_only_one_baseline_runs_at_a_time(both: Backend) -> None:

@@ -58,12 +58,12 @@ def test_of_two_requests_at_once_one_starts_a_run(both: Backend, numbers: Iterat
 
 
 def test_a_submission_without_a_key_is_always_a_new_one(
-    both: Backend, numbers: Iterator[int]
+    backend: Backend, numbers: Iterator[int]
 ) -> None:
     def start(session: Session) -> int:
         return once(session, None, lambda: next(numbers), now=0.0)
 
-    with both.database.writing() as session:
+    with backend.database.writing() as session:
         assert (start(session), start(session)) == (1, 2)
 
 

@@ -107,9 +107,9 @@ def test_all_or_none_of_the_runs_are_submitted(both: Backend) -> None:
         assert session.scalar(select(func.count()).select_from(Sweep)) == 0
 
 
-def test_a_sweep_counts_as_one_live_run_and_as_all_of_a_day(both: Backend) -> None:
-    settings = both.settings.model_copy(update={"quota_live": 2, "quota_day": 9})
-    limited = Backend(both.database, settings, both.viewers)
+def test_a_sweep_counts_as_one_live_run_and_as_all_of_a_day(backend: Backend) -> None:
+    settings = backend.settings.model_copy(update={"quota_live": 2, "quota_day": 9})
+    limited = Backend(backend.database, settings, backend.viewers)
 
     _start(limited, KP, KI)
     limited.queue("ann")
@@ -146,14 +146,14 @@ def test_a_ranked_sweep_is_refused(backend: Backend) -> None:
         _start(backend, KP, kind=RunKind.RANKED)
 
 
-def test_the_best_point_is_the_highest_score_and_failed_runs_have_none(both: Backend) -> None:
-    sweep_id = _start(both, KP)
+def test_the_best_point_is_the_highest_score_and_failed_runs_have_none(backend: Backend) -> None:
+    sweep_id = _start(backend, KP)
     for score in (40.0, 60.0):
-        both.finish(both.claim_next(), score=score)
+        backend.finish(backend.claim_next(), score=score)
     failure: dict[str, Any] = dict.fromkeys(("metrics", "manifest", "digest"))
-    both.finish(both.claim_next(), **failure, state=RunState.FAILED, cause="user_error")
+    backend.finish(backend.claim_next(), **failure, state=RunState.FAILED, cause="user_error")
 
-    view = _show(both, sweep_id)
+    view = _show(backend, sweep_id)
 
     assert view.best is not None
     assert view.best.values == (0.4,)
