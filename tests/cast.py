@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Self
 
-from sqlalchemy import insert, select
+from sqlalchemy import insert, or_, select
 
 from seamark.programs import preparation
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import User
+from seamark.server.database.tables import Run, User
 from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
@@ -130,6 +130,16 @@ class Backend:
         claim = self.claim()
         assert claim is not None
         return claim
+
+    def claim_alone(self, benchmark: str, controller: str) -> Claim:
+        """Claim a queued run of this controller; the other queued runs are cancelled."""
+        others = or_(Run.benchmark != benchmark, Run.controller != controller)
+        with self.database.reading() as session:
+            queued = select(Run.id).where(Run.state == RunState.QUEUED, others)
+            cancelled = list(session.scalars(queued))
+        for run_id in cancelled:
+            assert self.cancel(run_id)
+        return self.claim_next()
 
     def running(self, who: str = "ann", **changes: Any) -> Claim:
         """Queue a run and claim it; it must be the first in the queue."""

@@ -15,8 +15,9 @@ from sqlalchemy.dialects import registry
 from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
 from sqlalchemy.dialects.sqlite.pysqlite import SQLiteDialect_pysqlite
 from sqlalchemy.util import LRUCache
-from werkzeug.routing import BaseConverter, Rule
-from werkzeug.routing.rules import RulePart
+from werkzeug.routing import BaseConverter, Map, Rule
+from werkzeug.routing.matcher import StateMachineMatcher
+from werkzeug.routing.rules import RuleFactory, RulePart
 
 Builder = Callable[..., tuple[str, str]]
 
@@ -66,6 +67,41 @@ class CompiledRule(Rule):
         return self._builders[key]
 
 
+class CompiledMap(Map):
+    """The routes of an application; what finds them is that of one with equal routes."""
+
+    _matchers: ClassVar[dict[tuple[object, ...], StateMachineMatcher]] = {}
+
+    def add(self, rulefactory: RuleFactory) -> None:
+        """Add a route or several; `update` makes them found."""
+        for rule in rulefactory.get_rules(self):
+            rule.bind(self)
+            self._rules_by_endpoint.setdefault(rule.endpoint, []).append(rule)
+        self._remap = True
+
+    def update(self) -> None:
+        """Do what must be done before the next route is found, if any was added."""
+        if not self._remap:
+            return
+        rules = [rule for rules in self._rules_by_endpoint.values() for rule in rules]
+        key = (self.merge_slashes, *map(_of_route, rules))
+        if key not in self._matchers:
+            self._matchers[key] = StateMachineMatcher(self.merge_slashes)
+            for rule in rules:
+                if not rule.build_only:
+                    self._matchers[key].add(rule)
+        self._matcher = self._matchers[key]
+        super().update()
+
+
+def _of_route(rule: Rule) -> tuple[object, ...]:
+    """Return all by which a route is found, and what is found."""
+    methods = frozenset(rule.methods or ())
+    automatic = getattr(rule, "provide_automatic_options", None)  # Flask sets it
+    how = (rule.build_only, rule.websocket, rule.strict_slashes, rule.redirect_to)
+    return rule.endpoint, methods, automatic, *how, repr(rule.defaults), *rule._trace
+
+
 class _CompiledStatements:
     """Makes the dialects of one kind equal, and their engines share the statements they compile."""
 
@@ -100,3 +136,4 @@ def share() -> None:
     registry.register("postgresql.psycopg", __name__, CompiledPostgresql.__name__)
     Flask.jinja_options = {"bytecode_cache": CompiledTemplates()}
     Flask.url_rule_class = CompiledRule
+    Flask.url_map_class = CompiledMap

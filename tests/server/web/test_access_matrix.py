@@ -18,6 +18,7 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.submission_tables import Sweep
+from seamark.server.monitoring import meters
 from seamark.server.runs.downloads.conversions import Conversions
 from seamark.server.web import authentication
 from seamark.server.web.asgi import APART
@@ -55,6 +56,9 @@ def site(backend: Backend) -> Iterator[Site]:
     written = Conversions(command=("true",))
     app.extensions["seamark"] = replace(site.services, conversions=written)
     yield site
+    # Or the service would add thousands of series to those of all processes as it ends.
+    meters.HTTP_REQUESTS.clear()
+    meters.HTTP_SECONDS.clear()
     site.services.close()
 
 

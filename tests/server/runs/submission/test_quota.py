@@ -90,14 +90,14 @@ def test_a_day_later_there_are_new_ones(limited: Backend) -> None:
 
 
 @pytest.mark.slow
-def test_baselines_have_no_limit(limited: Backend) -> None:
-    settings = limited.settings.model_copy(update={"ranked_day": 1})
+def test_baselines_have_no_limit(backend: Backend) -> None:
+    settings = backend.settings.model_copy(update={"ranked_day": 1})
 
-    with limited.database.writing() as session:
+    with backend.database.writing() as session:
         first = baselines.ensure(session, settings)
     for run_id in first:
-        assert limited.cancel(limited.claim_next().run_id), run_id
-    with limited.database.writing() as session:
+        assert backend.cancel(backend.claim_next().run_id), run_id
+    with backend.database.writing() as session:
         again = baselines.ensure(session, settings)
 
     assert len(again) == len(first) > 0

@@ -187,28 +187,28 @@ def test_a_rerun_is_a_new_run_of_the_same_submission(backend: Backend) -> None:
 
 
 @pytest.mark.slow
-def test_baselines_are_queued_once_claimed_last_and_published(both: Backend) -> None:
-    with both.database.writing() as session:
-        first = baselines.ensure(session, both.settings)
-        second = baselines.ensure(session, both.settings)
-    late = both.queue("ann")
+def test_baselines_are_queued_once_claimed_last_and_published(backend: Backend) -> None:
+    with backend.database.writing() as session:
+        first = baselines.ensure(session, backend.settings)
+        second = baselines.ensure(session, backend.settings)
+    late = backend.queue("ann")
 
     order = []
-    while (claim := both.claim()) is not None:
+    while (claim := backend.claim()) is not None:
         order.append(claim.run_id)
-        both.finish(claim, score=10.0)
+        backend.finish(claim, score=10.0)
 
     entries = [registry.benchmark(name).baselines for name in registry.BENCHMARKS]
     assert (len(first), second) == (sum(map(len, entries)), [])
     assert (order[0], sorted(order[1:])) == (late, first)
-    with both.database.reading() as session:
+    with backend.database.reading() as session:
         ranks = leaderboard.page(session, "currents-v1")
     assert {rank.user: rank.is_baseline for rank in ranks} == {
         "seamark-p": True,
         "seamark-pi": True,
     }
-    assert both.show(first[0]).public
-    assert both.show(late).state is RunState.SUCCEEDED
+    assert backend.show(first[0]).public
+    assert backend.show(late).state is RunState.SUCCEEDED
 
 
 @pytest.mark.parametrize("kind", RunKind)
