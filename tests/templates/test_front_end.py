@@ -75,35 +75,53 @@ def test_the_linter_finds_what_is_wrong(tmp_path: Path, name: str, text: str, ru
     assert rule in after.stderr + after.stdout
 
 
-@pytest.mark.slow
-@installed
-@pytest.mark.parametrize(
-    ("text", "error"),
-    [
-        ("playhead.seek('4')", "TS2345"),
-        ("playhead.sought", "TS2339"),
-        ("document.querySelector('p').textContent", "TS2531"),
-        ("/** @type {import('./server_data.d.ts').Moments} */ ({ losses: [] })", "TS2352"),
-    ],
-)
-def test_the_compiler_finds_wrong_types(tmp_path: Path, text: str, error: str) -> None:
-    scripts = tmp_path / "templates" / "static"
+WRONG_TYPES = {  # name of a module -> what its last line is wrong about, and the compiler's error
+    "words_for_numbers": ("playhead.seek('4')", "TS2345"),
+    "unknown_member": ("playhead.sought", "TS2339"),
+    "perhaps_null": ("document.querySelector('p').textContent", "TS2531"),
+    "incomplete_data": (
+        "/** @type {import('./server_data.d.ts').Moments} */ ({ losses: [] })",
+        "TS2352",
+    ),
+}
+USE = """import { Playhead } from "./player/playhead.js";
+export const playhead = new Playhead({ duration: 1 });
+"""
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What the compiler says of all scripts with right modules, then with wrong ones among them.
+
+    It takes seconds to read the scripts, so all modules are there at once.
+    """
+    folder = tmp_path_factory.mktemp("checkout")
+    scripts = folder / "templates" / "static"
     shutil.copytree(PAGES / "static" / "js", scripts / "js")
     shutil.copytree(PAGES / "static" / "vendor", scripts / "vendor")
-    shutil.copy(ROOT / "tsconfig.json", tmp_path)
-    (tmp_path / "node_modules").symlink_to(ROOT / "node_modules")
-    use = 'import { Playhead } from "./player/playhead.js";\n'
-    use += "export const playhead = new Playhead({ duration: 1 });\n"
-    planted = scripts / "js" / "planted.js"
+    shutil.copy(ROOT / "tsconfig.json", folder)
+    (folder / "node_modules").symlink_to(ROOT / "node_modules")
 
-    planted.write_text(use)
-    before = _run("tsc", "--project", "tsconfig.json", folder=tmp_path)
-    planted.write_text(f"{use}export const wrong = {text};\n")
-    after = _run("tsc", "--project", "tsconfig.json", folder=tmp_path)
+    def compile_with(lines: dict[str, str]) -> str:
+        for name, line in lines.items():
+            (scripts / "js" / f"{name}.js").write_text(USE + line)
+        return _run("tsc", "--project", "tsconfig.json", folder=folder).stdout
 
-    assert before.returncode == 0, before.stdout
-    assert after.returncode != 0
-    assert re.search(rf"planted\.js\(3,\d+\): error {error}", after.stdout), after.stdout
+    wrong = {name: f"export const wrong = {text};\n" for name, (text, _) in WRONG_TYPES.items()}
+    return {
+        "right": compile_with(dict.fromkeys(WRONG_TYPES, "")),
+        "wrong": compile_with(wrong),
+    }
+
+
+@pytest.mark.slow
+@installed
+@pytest.mark.parametrize("name", WRONG_TYPES)
+def test_the_compiler_finds_wrong_types(compiled: dict[str, str], name: str) -> None:
+    errors = re.findall(rf"{name}\.js\((\d+),\d+\): error (\w+)", compiled["wrong"])
+
+    assert compiled["right"] == ""
+    assert errors == [("3", WRONG_TYPES[name][1])]
 
 
 def test_libraries_are_checked_by_the_types_of_their_own_version() -> None:
