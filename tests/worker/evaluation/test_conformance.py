@@ -17,12 +17,12 @@ from seamark.sandbox.languages import LANGUAGES, language_of, starters
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.self_test import tried
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.local import Controller, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
 from tests.sandbox import host_compiler
+from tests.services.languages import skip_without
 from tests.worker.conftest import SHORT
 from tests.worker.evaluation.languages import built
 
@@ -46,16 +46,6 @@ def evaluated(
     return evaluate_locally(benchmark, config, controller=controller, **run)
 
 
-def skip_without(name: str, isolation: IsolationLevel) -> None:
-    if why := missing(str(language_of(name)), isolation):
-        pytest.skip(why)
-
-
-@cache
-def missing(language: str, isolation: IsolationLevel) -> str:
-    return tried(language, isolation).why_not
-
-
 @cache
 def built_in_digest(isolation: IsolationLevel, heave: bool) -> str:
     return evaluated("pi", STRONG_CURRENT | {"control_heave": heave}, isolation).digest
@@ -67,8 +57,7 @@ def name_of(value: object) -> str:
 
 def upload_of(language: str, sample: Sample, isolation: IsolationLevel) -> PreparedProgram:
     """Return a conformance program as it would be uploaded."""
-    if why := missing(language, isolation):
-        pytest.skip(why)
+    skip_without(language, isolation)
     known, content, name = LANGUAGES[language], sample.upload(), sample.upload_name
     if known.sample_compiler != language:
         content = compiled(known.sample_compiler, content, name, isolation=isolation)
@@ -92,7 +81,7 @@ def test_controlling_heave_changes_the_trajectory(isolation) -> None:
 
 @pytest.mark.parametrize("name", ["fmi2", "fmi3"])
 def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path) -> None:
-    skip_without("pi.fmu", isolation)
+    skip_without("fmu", isolation)
     config = STRONG_CURRENT | {"control_heave": True}
 
     program = preparation.prepare(host_compiler.fmu(name, tmp_path), "pi.fmu")
@@ -103,7 +92,7 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path)
 
 
 def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp_path) -> None:
-    skip_without("pi.fmu", isolation)
+    skip_without("fmu", isolation)
     made = FmuBuilder.build_FMU(host_compiler.FMUS / "pythonfmu_pi.py", dest=tmp_path)
     config = STRONG_CURRENT | {"control_heave": True}
 
@@ -114,7 +103,7 @@ def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp
 
 
 def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tmp_path) -> None:
-    skip_without("pi.fmu", isolation)
+    skip_without("fmu", isolation)
     most = Settings(data=tmp_path).upload_max_bytes
     assert most == Limits().source_kib << 10 == Limits().binary_mib << 20
     whole = io.BytesIO(host_compiler.fmu("fmi2", tmp_path))
@@ -135,7 +124,7 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
 @pytest.mark.parametrize("language", starters())
 def test_the_starter_of_every_language_is_the_built_in_pi(language, isolation, tmp_path) -> None:
     source, name = built(starters()[language], tmp_path)
-    skip_without(name, isolation)
+    skip_without(str(language_of(name)), isolation)
 
     for heave in (False, True):
         outcome = evaluated((source, name), STRONG_CURRENT | {"control_heave": heave}, isolation)
@@ -162,7 +151,7 @@ def test_a_tracker_gives_one_trajectory_in_all_languages(language, sample, isola
 
 
 def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(isolation) -> None:
-    skip_without("mine.c", isolation)
+    skip_without("c", isolation)
 
     outcome = evaluated(
         (b'#include "seamark.h"\nint x = y;\n', "mine.c"), SHORT, isolation, trials=2
