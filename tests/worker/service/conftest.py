@@ -12,7 +12,7 @@ from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Simulator]:
     made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path_factory.mktemp("compiled"))
     made.start()

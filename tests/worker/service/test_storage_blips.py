@@ -32,7 +32,7 @@ from tests.services import faulty_s3, s3, tables
 from tests.services.faulty_s3 import Behaviour, FaultyS3
 from tests.worker.conftest import SHORT, wait_until
 
-LEASE_S = 2.0
+LEASE_S = 1.0  # the simulation of a long run goes on while a test waits for two of them
 PATIENCE_S = 40.0  # less than a request to the storage may take, so that waiting for it shows
 LONG = {"levels": [0.0, 0.1, 0.2, 0.3, 0.4], "level_duration_s": 600.0, "settle_s": 1.0}
 # Stands in for the simulator of a worker that claims nothing.
