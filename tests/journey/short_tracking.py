@@ -25,7 +25,7 @@ BENCHMARK = replace(
     name=NAME,
     configuration=ShortConfiguration,
     quick_settings={},
-    protocol=RankedProtocol(reference_trials=2, fresh_trials=4),
+    protocol=RankedProtocol(reference_trials=2, fresh_trials=2),
 )
 # As the first versions: all ranked runs are in the same hidden water.
-SHARED = replace(BENCHMARK, name=SHARED_NAME, protocol=None, shared_trials=4)
+SHARED = replace(BENCHMARK, name=SHARED_NAME, protocol=None, shared_trials=2)
