@@ -19,7 +19,7 @@ from tests.journey.service import (
     shared,
     without_baselines,
 )
-from tests.journey.visitor import RUN_MS, Visitor
+from tests.journey.visitor import Visitor
 
 # The build without windows takes two thirds of the processor time of the other one.
 CHROMIUM = (
@@ -31,6 +31,13 @@ SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
 TRACKING = {"level_duration_s": 2.0, "turbidity_levels": [0.0, 7.0], "motion_levels": [2.0, 8.0]}
 PAGE_MS = 30_000  # most that a page takes to change on a loaded machine; Playwright's own is 5 s
 expect.set_options(timeout=PAGE_MS)
+# As in a browser that cannot draw 3-D graphics.
+NO_WEBGL = """
+const ask = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
+  return kind.startsWith("webgl") ? null : ask.call(this, kind, ...options);
+};
+"""
 # WebGL without a graphics card.
 SOFTWARE_RENDERING = ["--enable-unsafe-swiftshader"]
 
@@ -107,6 +114,13 @@ def _desktop(chromium: Browser, service: Service) -> Visitor:
 
 
 @pytest.fixture(scope="session")
+def _reader(chromium: Browser, service: Service) -> Visitor:
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    context.add_init_script(NO_WEBGL)
+    return Visitor(context.new_page(), service.url)
+
+
+@pytest.fixture(scope="session")
 def _phone(chromium: Browser, service: Service) -> Visitor:
     context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
     return Visitor(context.new_page(), service.url)
@@ -117,6 +131,16 @@ def visitor(_desktop: Visitor) -> Iterator[Visitor]:
     """A visitor with a desktop screen."""
     yield _desktop
     _desktop.leave()
+
+
+@pytest.fixture
+def reader(_reader: Visitor) -> Iterator[Visitor]:
+    """A visitor whose browser has no WebGL, for tests that are not about the scene of a run.
+
+    Without a graphics card the processor draws that, again and again while the run goes on.
+    """
+    yield _reader
+    _reader.leave()
 
 
 @pytest.fixture
@@ -142,9 +166,7 @@ def _finish(chromium: Browser, service: Service) -> tuple[int, Any]:
     run = {"benchmark": "currents-v1", "controller": "p", "config": SHORT, "seed": 3}
     run_id = visitor.submit(run)
     visitor.wait_elsewhere(run_id)
-    visitor.open(f"/runs/{run_id}")
-    visitor.publish()
-    expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
+    visitor.publish_unseen(run_id)
     cookies = context.storage_state()
     context.close()
     return run_id, cookies

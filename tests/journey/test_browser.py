@@ -5,7 +5,7 @@ import re
 import pytest
 from playwright.sync_api import FilePayload, expect
 
-from tests.journey.two_trials.two_trials import TRIALS
+from tests.journey.two_trials.two_trials import LEVEL_S, TRIALS
 from tests.journey.visitor import (
     PROGRAM,
     RUN_MS,
@@ -36,7 +36,8 @@ def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor
 
 def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Visitor) -> None:
     page = visitor.page
-    visitor.sign_up("journey")
+    visitor.open("/sign-up")
+    visitor.fill_in_account("journey")
     visitor.open("/submit/currents-v1")
     file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
     choose_file(page, file)
@@ -60,28 +61,29 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     row = page.get_by_role("row", name=re.compile("journey"))
     expect(row).to_contain_text("Steady hand")
     lines = download.value.path().read_text().splitlines()
-    assert len([line for line in lines if not line.startswith("#")]) == 1 + TRIALS * 5 * 120 * 20
+    rows = [line for line in lines if not line.startswith("#")]
+    assert len(rows) == 1 + TRIALS * 5 * LEVEL_S * 20
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("zero")
-    visitor.open("/submit/currents-v1")
+def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("zero")
+    reader.open("/submit/currents-v1")
     shorten(page)
     write_program(page, PROGRAM.replace("return [", "return [1 / 0, "))
 
     page.get_by_role("button", name="Start run").click()
-    visitor.wait_for("failed")
+    reader.wait_for("failed")
 
     expect(page.get_by_text("user_error")).to_be_visible()
     expect(page.get_by_text("ZeroDivisionError").first).to_be_visible()
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
-def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/submit/currents-v1")
+def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/submit/currents-v1")
     customise(page, "Position controller")
     page.get_by_label("Proportional gain Kp").fill("99")
     page.get_by_label("Integral gain Ki").fill("0.03")
@@ -90,12 +92,12 @@ def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visito
 
     expect(page.locator("#kp-error")).to_contain_text("from 0 to 5")
     expect(page.get_by_label("Integral gain Ki")).to_have_value("0.03")
-    assert visitor.violations() == []
+    assert reader.violations() == []
 
 
-def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/submit/currents-v1")
+def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/submit/currents-v1")
     customise(page, "Position controller")
     page.get_by_label("Proportional gain Kp").fill("0.8")
 
@@ -106,9 +108,9 @@ def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Vi
     expect(page.get_by_label("Proportional gain Kp")).to_have_value("0.8")
 
 
-def test_steering_settings_are_shown_only_if_the_tracker_steers(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/submit/visibility-v1")
+def test_steering_settings_are_shown_only_if_the_tracker_steers(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/submit/visibility-v1")
     customise(page, "Motion")
     groups = page.locator("details.group > summary")
     expect(groups.filter(has_text="Water and camera")).to_be_visible()
@@ -118,13 +120,13 @@ def test_steering_settings_are_shown_only_if_the_tracker_steers(visitor: Visitor
 
     expect(groups.filter(has_text="Sensors")).to_be_visible()
     expect(groups.filter(has_text="Position controller")).to_be_visible()
-    assert visitor.violations() == []
+    assert reader.violations() == []
 
 
-def test_a_file_of_three_megabytes_is_refused_with_the_limit(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("heavy")
-    visitor.open("/submit/currents-v1")
+def test_a_file_of_three_megabytes_is_refused_with_the_limit(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("heavy")
+    reader.open("/submit/currents-v1")
     file = FilePayload(name="big.py", mimeType="text/x-python", buffer=b"#" * 3_000_000)
     choose_file(page, file)
 

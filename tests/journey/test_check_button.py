@@ -16,27 +16,27 @@ def _write(visitor: Visitor, text: str) -> Page:
     return page
 
 
-def test_the_check_button_appears_with_a_program_and_reports_that_it_runs(visitor: Visitor) -> None:
-    visitor.sign_up("checker")
-    visitor.open("/submit/currents-v1")
-    expect(visitor.page.get_by_role("button", name="Check program")).to_be_hidden()
+def test_the_check_button_appears_with_a_program_and_reports_that_it_runs(reader: Visitor) -> None:
+    reader.sign_up("checker")
+    reader.open("/submit/currents-v1")
+    expect(reader.page.get_by_role("button", name="Check program")).to_be_hidden()
 
-    page = _write(visitor, PROGRAM)
+    page = _write(reader, PROGRAM)
     page.get_by_role("button", name="Check program").click()
 
     expect(page.locator("#check-report")).to_contain_text("The program runs.", timeout=RUN_MS)
     expect(page.locator("#check-report .notice.good")).to_be_visible()
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_line_of_an_error_is_marked_and_a_click_selects_it(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    visitor.sign_up("careless")
+    reader.sign_up("careless")
     wrong = PROGRAM.replace("x, y, _ = observation.error", "x, y, _ = observation.eror")
     line = next(at for at, text in enumerate(wrong.splitlines(), 1) if "eror" in text)
 
-    page = _write(visitor, wrong)
+    page = _write(reader, wrong)
     page.get_by_role("button", name="Check program").click()
     link = page.locator("#check-report").get_by_role("button", name=f"line {line}")
     expect(link).to_be_visible(timeout=RUN_MS)
@@ -45,4 +45,4 @@ def test_the_line_of_an_error_is_marked_and_a_click_selects_it(
     assert page.evaluate("getSelection().toString()") == wrong.splitlines()[line - 1]
     expect(page.locator(".cm-problem")).to_have_text(wrong.splitlines()[line - 1])
     expect(page.locator("#check-report .notice.bad")).to_be_visible()
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])

@@ -6,7 +6,14 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.journey import accessibility
-from tests.journey.visitor import RUN_MS, Visitor, customise, write_program
+from tests.journey.visitor import (
+    PHONE_PX,
+    RUN_MS,
+    Visitor,
+    customise,
+    width_on_a_phone,
+    write_program,
+)
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 IMAGES = 5  # of a check
@@ -23,23 +30,22 @@ class Detector:
 """
 
 
-def test_a_detector_is_checked_and_run_and_its_mistakes_are_seen(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("seer")
-    visitor.open("/submit/patterns-v1")
+def test_a_detector_is_checked_and_run_and_its_mistakes_are_seen(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("seer")
+    reader.open("/submit/patterns-v1")
     write_program(page, DETECTOR)
 
     _check(page)
     _start_short_run(page)
-    visitor.wait_for("succeeded")
+    reader.wait_for("succeeded")
     _hide_and_show_answers(page)
     _see_curves(page)
     _follow_an_example(page)
 
     assert list(accessibility.defects(page)) == []
-    page.set_viewport_size({"width": 375, "height": 800})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 375
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert width_on_a_phone(page) <= PHONE_PX
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def _check(page: Page) -> None:

@@ -29,10 +29,10 @@ def _in_sight(page: Page, name: str = START) -> bool:
     return box is not None and 0 <= box["y"] <= height - box["height"]
 
 
-def test_a_newcomer_checks_and_runs_the_example_as_it_is(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("newcomer")
-    visitor.open(FORM)
+def test_a_newcomer_checks_and_runs_the_example_as_it_is(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("newcomer")
+    reader.open(FORM)
     page.locator("label", has_text="My own program").click()
     editor = editor_of(page)
     expect(editor).to_contain_text("class Controller")
@@ -47,17 +47,17 @@ def test_a_newcomer_checks_and_runs_the_example_as_it_is(visitor: Visitor) -> No
     shorten(page)
     expect(page.locator("[data-changed-count]")).to_have_text("3 settings changed")
     page.get_by_role("button", name=START).click()
-    visitor.wait_for("succeeded")
+    reader.wait_for("succeeded")
 
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_an_error_in_a_program_is_shown_at_its_line_and_repaired_in_place(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.sign_up("repairer")
-    visitor.open(FORM)
+    page = reader.page
+    reader.sign_up("repairer")
+    reader.open(FORM)
     write_program(page, BROKEN)
 
     page.get_by_role("button", name=START).click()
@@ -68,15 +68,15 @@ def test_an_error_in_a_program_is_shown_at_its_line_and_repaired_in_place(
     page.get_by_role("button", name=START).click()
     page.wait_for_url("**/runs/*")
 
-    assert visitor.violations() == []
+    assert reader.violations() == []
 
 
 def test_a_kept_file_is_named_beside_a_small_icon_and_need_not_be_chosen_again(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.sign_up("keeper-of-files")
-    visitor.open(FORM)
+    page = reader.page
+    reader.sign_up("keeper-of-files")
+    reader.open(FORM)
     file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
     choose_file(page, file)
     customise(page)
@@ -92,14 +92,14 @@ def test_a_kept_file_is_named_beside_a_small_icon_and_need_not_be_chosen_again(
     page.get_by_role("button", name=START).click()
     page.wait_for_url("**/runs/*")
 
-    assert visitor.violations() == []
+    assert reader.violations() == []
 
 
 def test_settings_that_are_unfolded_before_the_script_of_a_slow_machine_runs_stay_unfolded(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.sign_up("early-bird")
+    page = reader.page
+    reader.sign_up("early-bird")
     scripts: list[Route] = []
 
     def hold(script: Route) -> None:
@@ -107,7 +107,7 @@ def test_settings_that_are_unfolded_before_the_script_of_a_slow_machine_runs_sta
 
     page.route(SCRIPT, hold)
     with page.expect_request(SCRIPT):
-        page.goto(visitor.url + FORM, wait_until="commit")
+        page.goto(reader.url + FORM, wait_until="commit")
     page.locator("#customise > summary").click()
     page.locator("details.group > summary", has_text="Experiment").click()
     page.get_by_label("Level duration").fill("10")
@@ -116,15 +116,15 @@ def test_settings_that_are_unfolded_before_the_script_of_a_slow_machine_runs_sta
     expect(page.locator("[data-changed-count]")).to_have_text("1 setting changed")
 
     expect(page.get_by_label("Settle window")).to_be_visible()
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_presets_fill_in_settings_and_a_ranked_run_says_which_it_does_not_use(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.sign_up("presetter")
-    visitor.open(FORM)
+    page = reader.page
+    reader.sign_up("presetter")
+    reader.open(FORM)
     weak = page.get_by_role("button", name="Weak thruster")
     weak.click()
     page.get_by_role("button", name="Beam current").click()
@@ -142,19 +142,19 @@ def test_presets_fill_in_settings_and_a_ranked_run_says_which_it_does_not_use(
     page.get_by_role("button", name="Reset all").click()
 
     expect(page.locator("[data-changed-count]")).to_be_hidden()
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
-def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("typist")
-    visitor.open(FORM)
+def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("typist")
+    reader.open(FORM)
     keyboard = page.keyboard
     page.get_by_role("radio", name="PI", exact=True).focus()
     keyboard.press("ArrowUp")  # the last choice: one's own program
     editor = editor_of(page)
     expect(editor).to_be_visible()
-    visitor.tab_to(editor)
+    reader.tab_to(editor)
     keyboard.press("Control+a")
     keyboard.insert_text("def f():")
     keyboard.press("Enter")
@@ -173,14 +173,14 @@ def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(visitor: Vis
     keyboard.press("Enter")
 
     expect(page.locator("#problems")).to_be_focused()
-    assert visitor.violations() == []
+    assert reader.violations() == []
 
 
-def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("walker")
+def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("walker")
     page.set_viewport_size({"width": 375, "height": 800})
-    visitor.open(FORM)
+    reader.open(FORM)
     assert _in_sight(page)
     page.locator("label", has_text="My own program").click()
     expect(editor_of(page)).to_be_visible()
@@ -196,15 +196,15 @@ def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(visitor: Visitor) -> 
 
     assert seen == [True] * 4
     assert page.evaluate("document.documentElement.scrollWidth") == 375
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_a_setting_that_was_changed_for_another_controller_does_not_keep_a_run_from_ranking(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.sign_up("undecided")
-    visitor.open("/submit/currents-v2")
+    page = reader.page
+    reader.sign_up("undecided")
+    reader.open("/submit/currents-v2")
     customise(page, "Position controller")
     page.locator("#kp").fill("0.9")
     page.locator("label", has_text="LQG").click()
@@ -212,7 +212,7 @@ def test_a_setting_that_was_changed_for_another_controller_does_not_keep_a_run_f
 
     page.get_by_role("button", name="Start ranked run").click()
     page.wait_for_url("**/runs/*")
-    visitor.press_and_confirm("Cancel")  # 32 trials would keep a core busy for a minute
-    visitor.wait_for("cancelled")
+    reader.press_and_confirm("Cancel")  # 32 trials would keep a core busy for a minute
+    reader.wait_for("cancelled")
 
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])

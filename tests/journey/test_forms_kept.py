@@ -8,29 +8,29 @@ from tests.journey.visitor import Visitor, customise
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 
-def test_form_entries_are_restored_after_signing_up(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/submit/visibility-v1")
+def test_form_entries_are_restored_after_signing_up(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/submit/visibility-v1")
     customise(page)
     page.get_by_label("Run title").fill("mine")
     page.locator("#seed").fill("42")
 
     page.locator("main").get_by_role("link", name="create one").click()
-    visitor.fill_in_account("keeper")
+    reader.fill_in_account("keeper")
 
     expect(page.get_by_text("Your previous input has been restored")).to_be_visible()
     expect(page.get_by_label("Run title")).to_have_value("mine")
     expect(page.locator("#seed")).to_have_value("42")
     page.get_by_role("button", name="Discard").click()
     expect(page.locator("#seed")).to_have_value("")
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_one(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
-    visitor.open("/submit/currents-v1")
+    page = reader.page
+    reader.open("/submit/currents-v1")
     customise(page)
     page.locator("#seed").fill("7")
     token = page.locator("#run-form input[name=csrf_token]")
@@ -48,4 +48,4 @@ def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_on
     page.get_by_role("link", name="New run").first.click()
 
     expect(page.locator("#seed")).to_have_value("")
-    assert visitor.violations() == []
+    assert reader.violations() == []

@@ -37,16 +37,16 @@ def _run_number(page: Page) -> str:
     return path.rsplit("/", 1)[1]
 
 
-def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visitor) -> None:
-    page, numbers = visitor.page, list[str]()
-    visitor.sign_up("iterator")
-    visitor.open(FORM)
+def test_three_runs_again_change_the_gain_alone_and_are_compared(reader: Visitor) -> None:
+    page, numbers = reader.page, list[str]()
+    reader.sign_up("iterator")
+    reader.open(FORM)
     write_program(page, PROGRAM + "# of the iterator")
     shorten(page)
     page.get_by_label("Seed", exact=True).fill("7")
     page.get_by_role("button", name="Start run").click()
     for gain in ("0.3", "0.7", "0.9"):
-        visitor.wait_for("succeeded")
+        reader.wait_for("succeeded")
         numbers.append(_run_number(page))
         page.get_by_role("link", name="Run again").click()
         expect(page.locator("[data-prefill]")).to_contain_text(
@@ -58,10 +58,10 @@ def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visito
         page.get_by_role("button", name="Start run").click()
         page.wait_for_url("**/runs/*")
         expect(page.get_by_text("started from")).to_contain_text(f"run {numbers[-1]}")
-    visitor.wait_for("succeeded")
+    reader.wait_for("succeeded")
     numbers.append(_run_number(page))
 
-    visitor.open("/runs/?sort=oldest")
+    reader.open("/runs/?sort=oldest")
     page.get_by_label("Select all").check()
     page.get_by_role("button", name="Compare").click()
     expect(page.get_by_role("heading", name="Compare 4 runs")).to_be_visible()
@@ -71,13 +71,13 @@ def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visito
     expect(differing.nth(0)).to_contain_text(" ".join(f"#{number}" for number in numbers))
     expect(differing.nth(1)).to_contain_text(re.compile(r"Kp \[1/s\]\s+\S*0\.30\.70\.9\s*$"))
     assert len(set(page.locator(".compared-score strong").all_inner_texts())) == 4
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
-def test_a_parameter_of_an_upload_is_swept_and_its_best_value_used(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.sign_up("sweeper")
-    visitor.open(FORM)
+def test_a_parameter_of_an_upload_is_swept_and_its_best_value_used(reader: Visitor) -> None:
+    page = reader.page
+    reader.sign_up("sweeper")
+    reader.open(FORM)
     file = FilePayload(name="swept.py", mimeType="text/x-python", buffer=SWEPT.encode())
     choose_file(page, file)
     gain = page.get_by_role("group", name="Parameters of the program").get_by_label("gain")
@@ -107,4 +107,4 @@ def test_a_parameter_of_an_upload_is_swept_and_its_best_value_used(visitor: Visi
     expect(gain).to_have_value(best)
     assert values == ["0", "0.4", "1.2"]
     assert best != "0"  # without thrust the vehicle drifts away
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])

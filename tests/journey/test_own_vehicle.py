@@ -47,9 +47,9 @@ def form_of(visitor: Visitor, name: str) -> tuple[Locator, Locator, Locator]:
 
 
 def test_a_vehicle_is_checked_and_chosen_as_soon_as_its_file_is(
-    visitor: Visitor, mine: Path, wrong: Path
+    reader: Visitor, mine: Path, wrong: Path
 ) -> None:
-    file, report, choice = form_of(visitor, "checking")
+    file, report, choice = form_of(reader, "checking")
 
     file.set_input_files(wrong)
     expect(report).to_contain_text("This vehicle cannot run:")
@@ -60,7 +60,7 @@ def test_a_vehicle_is_checked_and_chosen_as_soon_as_its_file_is(
     expect(report).to_contain_text("Mine can run.")
     expect(report).to_contain_text("where a flat plate has 1.17")
     expect(choice).to_have_value(re.compile("^mine@"))
-    expect(visitor.page.locator("#kp")).to_have_value("0.7")  # comes with it
+    expect(reader.page.locator("#kp")).to_have_value("0.7")  # comes with it
     report.get_by_text("What it can do").click()
     expect(report.locator("pre")).to_contain_text("full thrust")
 
@@ -74,7 +74,7 @@ def test_a_vehicle_is_checked_and_chosen_as_soon_as_its_file_is(
     choice.select_option("bluerov2-heavy")
     expect(report).to_be_empty()
     expect(file).to_have_value("")  # another choice counts
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_a_vehicle_is_run_drawn_and_run_again(visitor: Visitor, mine: Path, tmp_path: Path) -> None:

@@ -92,9 +92,7 @@ def turbid(chromium: Browser, service: Service, finished: tuple[int, Any]) -> in
         {"benchmark": "visibility-v1", "controller": "built-in", "config": levels, "seed": 3}
     )
     visitor.wait_elsewhere(run_id)
-    visitor.open(f"/runs/{run_id}")
-    visitor.publish()
-    expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
+    visitor.publish_unseen(run_id)
     context.close()
     return run_id
 

@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.journey import accessibility
-from tests.journey.visitor import RUN_MS, Visitor
+from tests.journey.visitor import PHONE_PX, RUN_MS, Visitor, width_on_a_phone
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 TRACK = {
@@ -45,8 +45,7 @@ def test_the_map_of_a_route_plays_with_the_time_line(visitor: Visitor) -> None:
     expect(figures).to_contain_text("none yet")  # a level begins without a fix
     expect(done).not_to_have_attribute("d", first or "")
 
-    page.set_viewport_size({"width": 375, "height": 800})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 375
+    assert width_on_a_phone(page) <= PHONE_PX
     assert list(accessibility.defects(page)) == []
     assert (visitor.errors, visitor.violations()) == ([], [])
 
@@ -70,22 +69,22 @@ def test_the_page_of_a_route_says_nothing_of_a_tracker(visitor: Visitor) -> None
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_maps_of_two_routes_are_beside_each_other(visitor: Visitor) -> None:
-    visitor.sign_up("two-routes")
-    numbers = [visitor.submit(TRACK | {"seed": seed}) for seed in (3, 4)]
+def test_the_maps_of_two_routes_are_beside_each_other(reader: Visitor) -> None:
+    reader.sign_up("two-routes")
+    numbers = [reader.submit(TRACK | {"seed": seed}) for seed in (3, 4)]
     for number in numbers:
-        visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
+        reader.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
 
-    visitor.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
+    reader.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
 
-    maps = visitor.page.locator("[data-level-map]")
+    maps = reader.page.locator("[data-level-map]")
     expect(maps).to_have_count(2)
     for one in maps.all():
         one.scroll_into_view_if_needed()
         expect(one.locator("[data-map-figures]")).to_contain_text("Off the route")
     rests = [one.locator('[data-map="rest"]').get_attribute("d") for one in maps.all()]
     assert rests[0] != rests[1]
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def _corners(path: Locator) -> int:

@@ -21,20 +21,20 @@ def _reads(visitor: Visitor, path: str) -> int | None:
 
 
 def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
-    visitor: Visitor, phone: Visitor
+    reader: Visitor, phone: Visitor
 ) -> None:
-    page, stranger = visitor.page, phone.page
-    visitor.sign_up("publisher")
-    run = f"/runs/{visitor.submit(RUN | {'title': 'Worth reading'})}"
-    visitor.open(run)
-    visitor.wait_for("succeeded")
+    page, stranger = reader.page, phone.page
+    reader.sign_up("publisher")
+    run = f"/runs/{reader.submit(RUN | {'title': 'Worth reading'})}"
+    reader.open(run)
+    reader.wait_for("succeeded")
     page.get_by_role("link", name="Publish …").click()
     expect(page.get_by_role("main")).to_contain_text("Everyone will be able to see the results")
-    assert visitor.violations() == []
+    assert reader.violations() == []
     page.get_by_role("link", name="Cancel").click()
     seen = [_reads(phone, run), _reads(phone, PROFILE)]
 
-    visitor.publish()
+    reader.publish()
     expect(page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     phone.errors.clear()  # the browser reports the 404s of before
     seen.append(_reads(phone, run))
@@ -45,12 +45,12 @@ def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
     expect(stranger.get_by_role("table")).to_contain_text("Steady hand")
     assert (phone.errors, phone.violations()) == ([], [])
 
-    visitor.press_and_confirm("Withdraw")
+    reader.press_and_confirm("Withdraw")
     expect(page.get_by_text("The run is private again.")).to_be_visible(timeout=RUN_MS)
     seen += [_reads(phone, run), _reads(phone, PROFILE)]
 
     assert seen == [404, 404, 200, 200, 404, 404]
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_runs_are_found_published_withdrawn_and_deleted_by_keyboard_alone(phone: Visitor) -> None:

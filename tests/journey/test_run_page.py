@@ -55,22 +55,22 @@ def _seek(page: Page, seconds: float) -> str:
     return pixels
 
 
-def test_telemetry_can_be_downloaded_while_the_run_is_running(visitor: Visitor) -> None:
-    page = visitor.page
-    _start(visitor, LONG, trials=10)
+def test_telemetry_can_be_downloaded_while_the_run_is_running(reader: Visitor) -> None:
+    page = reader.page
+    _start(reader, LONG, trials=10)
     expect(page.locator("[data-camera] img")).to_be_visible(timeout=60_000)
 
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
-    visitor.wait_for("running")
-    visitor.press_and_confirm("Cancel")
-    visitor.wait_for("cancelled")
+    reader.wait_for("running")
+    reader.press_and_confirm("Cancel")
+    reader.wait_for("cancelled")
 
     lines = download.value.path().read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
     assert any("state running" in line for line in lines[:10])
     assert 1 < len(rows) < 1 + 10 * 4 * 600 * 20
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor) -> None:
@@ -90,16 +90,16 @@ def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_page_names_the_level_that_ran_where_the_order_is_drawn(visitor: Visitor) -> None:
-    page = visitor.page
+def test_the_page_names_the_level_that_ran_where_the_order_is_drawn(reader: Visitor) -> None:
+    page = reader.page
     levels = [0.1, 0.2, 0.3]
     _start(
-        visitor,
+        reader,
         {"levels": levels, "level_duration_s": 4, "settle_s": 1},
         benchmark="currents-v2",
     )
-    visitor.wait_for("succeeded")
-    metrics = page.request.get(f"{visitor.url}/api/v1{page.url.removeprefix(visitor.url)}").json()
+    reader.wait_for("succeeded")
+    metrics = page.request.get(f"{reader.url}/api/v1{page.url.removeprefix(reader.url)}").json()
     (trial,) = metrics["metrics"]["trials"]
     order = trial["conditions"]["order"]
 
@@ -110,7 +110,7 @@ def test_the_page_names_the_level_that_ran_where_the_order_is_drawn(visitor: Vis
 
     assert order != sorted(order)
     assert shown == [f"{levels[level]:g}" for level in order]
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_wide_tables_of_a_grid_scroll_inside_their_own_box_on_a_phone(phone: Visitor) -> None:

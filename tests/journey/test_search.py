@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.journey import accessibility
-from tests.journey.visitor import RUN_MS, Visitor
+from tests.journey.visitor import PHONE_PX, RUN_MS, Visitor, width_on_a_phone
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 MISSION = {
@@ -40,20 +40,19 @@ def test_the_map_of_a_search_plays_with_the_time_line(visitor: Visitor) -> None:
     page.locator("[data-time]").fill(str(LEVEL_S + 3))
     expect(search.locator('[data-map="mark"]')).not_to_have_attribute("cx", start or "")
 
-    page.set_viewport_size({"width": 375, "height": 800})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 375
+    assert width_on_a_phone(page) <= PHONE_PX
     assert list(accessibility.defects(page)) == []
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_maps_of_two_searches_are_beside_each_other(visitor: Visitor) -> None:
-    visitor.sign_up("mapping")
-    numbers = [visitor.submit(MISSION | {"seed": seed}) for seed in (5, 6)]
+def test_the_maps_of_two_searches_are_beside_each_other(reader: Visitor) -> None:
+    reader.sign_up("mapping")
+    numbers = [reader.submit(MISSION | {"seed": seed}) for seed in (5, 6)]
     for number in numbers:
-        visitor.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
-    page = visitor.page
+        reader.wait_elsewhere(number, timeout_ms=2 * RUN_MS)
+    page = reader.page
 
-    visitor.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
+    reader.open(f"/compare?runs={numbers[0]},{numbers[1]}&t=10")
 
     maps = page.locator("[data-level-map]")
     expect(maps).to_have_count(2)
@@ -63,7 +62,7 @@ def test_the_maps_of_two_searches_are_beside_each_other(visitor: Visitor) -> Non
     expect(page.locator("[data-camera] img").first).to_be_visible()
     told = [one.locator('[data-map="told"]').get_attribute("transform") for one in maps.all()]
     assert told[0] != told[1]
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def _pieces(path: Locator) -> int:

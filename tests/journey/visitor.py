@@ -4,9 +4,10 @@ import re
 import time
 from typing import Any
 
-from playwright.sync_api import FilePayload, Locator, Page, expect
+from playwright.sync_api import APIResponse, FilePayload, Locator, Page, expect
 
 RUN_MS = 120_000
+PHONE_PX = 375
 PASSWORD = "correct horse battery"
 PROGRAM = """
 class Controller:
@@ -62,8 +63,14 @@ class Visitor:
         self.page.goto(self.url + path)
 
     def sign_up(self, name: str) -> None:
-        self.open("/sign-up")
-        self.fill_in_account(name)
+        """Create an account without its pages: the one that follows draws a scene."""
+        address = f"{self.url}/sign-up"
+        token = re.search(r'name="csrf_token" value="([^"]+)"', self._get(address).text())
+        assert token is not None
+        account = {"csrf_token": token[1], "name": name, "password": PASSWORD}
+        answer = self.page.request.post(address, form=account)
+        expect(answer).to_be_ok()
+        assert f"Welcome, {name}." in answer.text()
 
     def sign_in(self, name: str) -> None:
         self.open("/sign-in")
@@ -80,12 +87,25 @@ class Visitor:
 
     def submit(self, run: dict[str, Any]) -> int:
         """Queue a run through the API and return its number."""
-        request, api = self.page.request, f"{self.url}/api/v1"
-        token = request.get(f"{api}/me").json()["csrf_token"] or ""
-        response = request.post(f"{api}/runs", data=run, headers={"X-CSRFToken": token})
-        expect(response).to_be_ok()
-        number: int = response.json()["id"]
+        number: int = self._post("/runs", run).json()["id"]
         return number
+
+    def publish_unseen(self, run_id: int) -> None:
+        """Publish a run through the API, without its page."""
+        self._post(f"/runs/{run_id}/publish", {"method": "Steady hand"})
+
+    def _get(self, address: str) -> APIResponse:
+        answer = self.page.request.get(address)
+        expect(answer).to_be_ok()
+        return answer
+
+    def _post(self, path: str, data: dict[str, Any]) -> APIResponse:
+        """Ask the API as the scripts of a page do."""
+        api = f"{self.url}/api/v1"
+        token = self._get(f"{api}/me").json()["csrf_token"] or ""
+        answer = self.page.request.post(f"{api}{path}", data=data, headers={"X-CSRFToken": token})
+        expect(answer).to_be_ok()
+        return answer
 
     def press_and_confirm(self, name: str) -> None:
         """Press a button that asks first, and the one of the same name in the dialog.
@@ -130,6 +150,21 @@ class Visitor:
         return found
 
 
+def width_on_a_phone(page: Page) -> int:
+    """Return how wide a page is in a window as wide as a phone [px].
+
+    Charts follow the size of the window a frame later, on a busy machine much later.
+    """
+    page.set_viewport_size({"width": PHONE_PX, "height": 800})
+    width = 0
+    for _ in range(50):
+        width = page.evaluate("document.documentElement.scrollWidth")
+        if width <= PHONE_PX:
+            break
+        page.wait_for_timeout(100)
+    return width
+
+
 def customise(page: Page, group: str = "") -> None:
     """Unfold the settings of the form, and one of their groups."""
     settings = page.locator("#customise")
@@ -171,5 +206,5 @@ def shorten(page: Page) -> None:
     """Fill in an experiment of a few seconds."""
     customise(page, "Experiment")
     page.get_by_label("Current levels").fill("0, 0.1")
-    page.get_by_label("Level duration").fill("10")
-    page.get_by_label("Settle window").fill("2")
+    page.get_by_label("Level duration").fill("4")
+    page.get_by_label("Settle window").fill("1")
