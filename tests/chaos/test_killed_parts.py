@@ -1,6 +1,7 @@
 """Parts of a worker that die alone: what they worked on is done again at once, by a successor.
 
-Nothing here could wait for the end of a lease, or for maintenance to send a missing ticket.
+Nothing here could wait for the end of a lease, or for maintenance to send a missing ticket. The
+tests share a worker, since to start one takes five seconds of CPU time; the last one kills it.
 """
 
 import os
@@ -11,21 +12,24 @@ import pytest
 from redis import Redis
 from sqlalchemy import delete
 
-from seamark.sandbox.isolation.proc_stats import tree
+from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.database.tables import Check, Worker
 from seamark.server.messaging import workers
 from seamark.server.programs import check_queue
 from seamark.server.programs.check_queue import CheckState, CheckView
 from seamark.server.runs.record.states import RunState
+from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
+from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
-from tests.worker.conftest import LONG, QUICK, START_S, Service, service_with
+from tests.worker.conftest import LONG, QUICK, SHORT, START_S, Service, service_with
 from tests.worker.processes import command_line
 from tests.worker.service.test_side_processes import eventually, pid_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
-NEVER = {"lease_s": 3600.0}
+CORES = min(len(os.sched_getaffinity(0)), 2)
+NEVER = {"lease_s": 3600.0, "workers": CORES}
 MINUTES = {**LONG, "level_duration_s": 100.0}
 SLOW_TO_START = b"""
 import time
@@ -36,9 +40,20 @@ class Controller:
 """
 
 
+P = """
+class Controller:
+    def __init__(self, config):
+        self.kp = config["kp"]
+    def reset(self, level):
+        pass
+    def step(self, observation):
+        return [self.kp * observation.error[0], self.kp * observation.error[1], 0.0, 0.0]
+"""
+
+
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
-    """A service with a worker, which the last test kills."""
+    """A service with a worker of two processes if there are two cores."""
     with Redis.from_url(_valkey) as client:
         client.flushall()
     own = {"data": tmp_path_factory.mktemp("service"), "broker_url": _valkey}
@@ -46,6 +61,13 @@ def service(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
     made.start_worker()
     yield made
     made.close()
+
+
+@pytest.fixture
+def two_cores(service: Service) -> Service:
+    if CORES < 2:
+        pytest.skip("one core: trials run one after the other")
+    return service
 
 
 def _listed(service: Service) -> list[str]:
@@ -60,13 +82,74 @@ def _check(service: Service, check_id: int) -> CheckView:
     return view
 
 
+def trials_of(service: Service) -> list[int]:
+    """The processes of trials: forks of a fork of the worker's simulator."""
+    simulators = {
+        pid
+        for pid in tree(service.workers[0].pid)
+        if b"seamark.worker.zygote.process" in command_line(pid)
+    }
+    forks = {pid for pid in simulators if parent_of(pid) in simulators}
+    return sorted(pid for pid in forks if parent_of(pid) in forks)
+
+
+def _running_in_parallel(service: Service, run_id: int) -> list[int]:
+    found: list[int] = []
+
+    def both(view: RunView) -> bool:
+        found[:] = trials_of(service)
+        assert not view.state.final
+        return service.files(run_id).row_count() > 0 and len(found) == 2
+
+    service.wait(run_id, both)
+    return found
+
+
+def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores: Service) -> None:
+    run_id = two_cores.submit_program(P, MINUTES, trials=4)
+
+    os.kill(_running_in_parallel(two_cores, run_id)[-1], signal.SIGKILL)
+    view = two_cores.ended(run_id)
+
+    assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
+    rows = two_cores.files(run_id).rows()
+    assert digest(rows) == view.digest
+    assert rows[:, INDEX["trial"]].tolist() == sorted(rows[:, INDEX["trial"]].tolist())
+    assert two_cores.files(run_id).attempts() == [2]  # nothing is left of the dead one
+    assert trials_of(two_cores) == []
+
+
+def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None:
+    run_id = two_cores.submit_program(P, LONG, trials=10)
+    _running_in_parallel(two_cores, run_id)
+
+    view, seconds = two_cores.time_to_cancel(run_id)
+
+    assert view.state is RunState.CANCELLED
+    assert seconds < 2.0
+    assert trials_of(two_cores) == []
+    assert two_cores.files(run_id).row_count() > 0
+
+
+def test_two_concurrent_runs_have_the_digest_of_a_local_run(two_cores: Service) -> None:
+    wanted = evaluate_locally(
+        "currents-v1", SHORT, controller="p", seed=3, trials=3, processes=1
+    ).digest
+
+    queued = [two_cores.submit(controller="p", trials=3), two_cores.submit_program(P, trials=3)]
+    views = [two_cores.ended(run_id) for run_id in queued]
+
+    assert [view.digest for view in views] == [wanted, wanted]
+
+
 def test_the_run_of_a_killed_pool_child_is_evaluated_again_before_its_lease_ends(
     service: Service,
 ) -> None:
     run_id = service.submit(MINUTES, trials=2)
     service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
 
-    os.kill(service.pool_child(), signal.SIGKILL)
+    for child in service.pool():  # one of them evaluates it
+        os.kill(child, signal.SIGKILL)
     view = service.ended(run_id)
 
     assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
@@ -132,7 +215,7 @@ def test_a_worker_that_was_forgotten_is_listed_again(service: Service) -> None:
 
 def test_nothing_of_a_worker_outlives_its_main_process(service: Service) -> None:
     run_id = service.submit_program(SLOW_TO_START.decode(), LONG, trials=10)
-    service.wait(run_id, lambda view: view.t_simulated > 0)
+    service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
     worker = service.workers[-1]
     started = tree(worker.pid)
 

@@ -66,11 +66,15 @@ class Service(Backend):
             os.killpg(worker.pid, signal.SIGKILL)
         worker.wait()
 
-    def pool_child(self) -> int:
-        """Return the process of the last worker's pool: the only child that has its command."""
+    def pool(self) -> list[int]:
+        """Return the processes of the last worker's pool: the children that have its command."""
         worker = self.workers[-1].pid
         pids = [pid for pid in tree(worker) if parent_of(pid) == worker]
-        [child] = [pid for pid in pids if command_line(pid) == command_line(worker)]
+        return [pid for pid in pids if command_line(pid) == command_line(worker)]
+
+    def pool_child(self) -> int:
+        """Return the process of the last worker's pool, which has one."""
+        [child] = self.pool()
         return child
 
     def submit(self, config: Mapping[str, object] = SHORT, **changes: Any) -> int:
