@@ -67,7 +67,7 @@ def test_another_file_is_another_vehicle(mine: Path) -> None:
 
 
 @pytest.mark.slow
-def test_each_process_reads_the_file_itself(mine: Path) -> None:
+def test_another_process_reads_the_file_itself(mine: Path) -> None:
     env = gymnasium.make_vec(
         NAME,
         num_envs=1,
