@@ -10,12 +10,11 @@ from playwright.sync_api import Browser, FilePayload, Page, expect
 
 from tests.journey.conftest import TRACKING
 from tests.journey.service import Service
-from tests.journey.visitor import RUN_MS, Visitor
+from tests.journey.visitor import LONG, RUN_MS, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 SCREEN_PX = 900
-LONG = {"levels": [0.0, 0.1, 0.2, 0.3], "level_duration_s": 600}
 BROKEN = """
 class Controller:
     def __init__(self, config):
@@ -103,7 +102,7 @@ def test_a_run_that_failed_shows_why_and_still_its_first_screen(owner: Visitor) 
 
 
 def test_a_run_has_its_first_screen_while_it_runs_and_when_it_is_cancelled(owner: Visitor) -> None:
-    run = {"benchmark": "currents-v1", "controller": "p", "trials": 10, "config": LONG}
+    run = {"benchmark": "currents-v1", "controller": "p", "config": LONG}
     owner.open(f"/runs/{owner.submit(run)}")
     expect(owner.page.locator("[data-camera] img")).to_be_visible(timeout=RUN_MS)
     _assert_first_screen(owner.page)

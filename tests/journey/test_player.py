@@ -12,12 +12,10 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.journey import accessibility
 from tests.journey.service import Service
-from tests.journey.visitor import RUN_MS, Visitor
+from tests.journey.visitor import LONG, RUN_MS, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
-# Of trials so long that the browser is done before the second one begins.
-LONG = {"levels": [0.03 * level for level in range(12)], "level_duration_s": 600}
 SCENE_MS = 60_000  # three.js and a first picture, on a machine with other work
 
 
@@ -310,7 +308,7 @@ def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_sam
     visitor: Visitor,
 ) -> None:
     page = visitor.page
-    run = {"benchmark": "currents-v1", "controller": "p", "trials": 2, "config": LONG, "seed": 3}
+    run = {"benchmark": "currents-v1", "controller": "p", "config": LONG, "seed": 3}
     answer = page.request.post(f"{visitor.url}/api/v1/runs", data=run)
     visitor.open(f"/runs/{answer.json()['id']}")
     live = page.get_by_role("button", name="Live", exact=True)
@@ -327,7 +325,7 @@ def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_sam
     expect(live).to_have_attribute("aria-pressed", "false")
     live.click()
     expect(live).to_have_attribute("aria-pressed", "true")
-    while _time(page) <= t + 5:
+    while _time(page) <= t + 2:
         page.wait_for_timeout(100)
     visitor.press_and_confirm("Cancel")
     visitor.wait_for("cancelled")

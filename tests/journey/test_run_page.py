@@ -6,11 +6,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.journey.visitor import Visitor
+from tests.journey.visitor import LONG, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
-LONG = {"levels": [0.0, 0.1, 0.2, 0.3], "level_duration_s": 600}
 GRID = {
     **{"levels": [0.0, 0.1], "level_duration_s": 4, "settle_s": 1},
     **{"loop1": "turbidity", "loop1_values": [0.0, 0.5, 1.0]},
@@ -37,11 +36,9 @@ _RESTS = """() => new Promise((done) => {
 })"""
 
 
-def _start(
-    visitor: Visitor, config: dict[str, Any], trials: int = 1, benchmark: str = "currents-v1"
-) -> None:
+def _start(visitor: Visitor, config: dict[str, Any], benchmark: str = "currents-v1") -> None:
     """Submit a run through the API and open its page."""
-    run = {"benchmark": benchmark, "controller": "p", "trials": trials, "config": config, "seed": 3}
+    run = {"benchmark": benchmark, "controller": "p", "config": config, "seed": 3}
     visitor.open(f"/runs/{visitor.submit(run)}")
 
 
@@ -57,7 +54,7 @@ def _seek(page: Page, seconds: float) -> str:
 
 def test_telemetry_can_be_downloaded_while_the_run_is_running(reader: Visitor) -> None:
     page = reader.page
-    _start(reader, LONG, trials=10)
+    _start(reader, LONG)
     expect(page.locator("[data-camera] img")).to_be_visible(timeout=60_000)
 
     with page.expect_download() as download:
@@ -69,7 +66,7 @@ def test_telemetry_can_be_downloaded_while_the_run_is_running(reader: Visitor) -
     lines = download.value.path().read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
     assert any("state running" in line for line in lines[:10])
-    assert 1 < len(rows) < 1 + 10 * 4 * 600 * 20
+    assert 1 < len(rows) < 1 + 12 * 600 * 20
     assert (reader.errors, reader.violations()) == ([], [])
 
 

@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from sqlalchemy import select
 
+from seamark.cli.main import cli
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
@@ -68,9 +70,8 @@ def account(service: Service, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def _tune(*arguments: str) -> dict[str, Any]:
-    command = [sys.executable, "-m", "seamark.cli.main", "tune", "currents-v1", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    done = CliRunner().invoke(cli, ["tune", "currents-v1", *arguments])
+    assert done.exit_code == 0, done.output
     found: dict[str, Any] = json.loads(done.stdout)
     return found
 

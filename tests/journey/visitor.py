@@ -8,6 +8,9 @@ from playwright.sync_api import APIResponse, FilePayload, Locator, Page, expect
 
 RUN_MS = 120_000
 PHONE_PX = 375
+# One trial that takes a core a dozen seconds, so that a browser is done first; more trials would
+# take more cores from it.
+LONG = {"levels": [0.03 * level for level in range(12)], "level_duration_s": 600}
 PASSWORD = "correct horse battery"
 PROGRAM = """
 class Controller:
