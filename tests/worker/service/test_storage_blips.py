@@ -42,9 +42,9 @@ DOWN: tuple[Behaviour, ...] = ("answers errors", "hangs")
 
 @pytest.fixture
 def short_requests(monkeypatch: Any) -> None:
-    """Requests that give up after two seconds."""
+    """Requests that give up after a second."""
     for limit in ("REQUEST", "SILENCE"):
-        monkeypatch.setattr(objects, limit, timedelta(seconds=2))
+        monkeypatch.setattr(objects, limit, timedelta(seconds=1))
 
 
 @pytest.fixture
@@ -148,7 +148,7 @@ def test_a_run_whose_storage_stays_away_is_lost_to_the_storage_not_to_its_worker
     config: dict[str, Any],
     monkeypatch: Any,
 ) -> None:
-    monkeypatch.setattr(run_driver, "STORE_AWAY_S", 3.0)
+    monkeypatch.setattr(run_driver, "STORE_AWAY_S", 1.5)
     claim = backend.running("ann", config=config)
     before = {reason: _lost(reason) for reason in ("storage_failed", "worker_lost")}
     storage.behave(behaviour)
