@@ -53,6 +53,9 @@ def _files(service: Service, run_id: int) -> RunFiles:
     return stored_files.of_run(service.settings, service.show(run_id))
 
 
+# Two workers start, each on a machine of its own. Short: `test_storage_blips` reads what another
+# process has stored, and `test_killed_parts` of the chaos tests kills parts of a worker.
+@pytest.mark.long
 def test_a_run_on_another_machine_is_read_here_and_ends_on_a_third_if_its_worker_dies(
     machines: Service, isolation: IsolationLevel
 ) -> None:
