@@ -188,31 +188,31 @@ def test_the_ranking_has_places_and_no_names_and_leaves_out_who_left(backend: Ba
 
 
 def test_a_teacher_reads_the_runs_for_an_assignment_while_the_pupil_is_in_the_class(
-    backend: Backend,
+    both: Backend,
 ) -> None:
-    room = classroom(backend, "ann")
-    run_id, own = hand_in(backend, "ann", assign(backend, room)), backend.queue("ann")
-    tim, changes = backend.viewers["tim"], (Action.PUBLISH, Action.CANCEL, Action.DELETE_DATA)
+    room = classroom(both, "ann")
+    run_id, own = hand_in(both, "ann", assign(both, room)), both.queue("ann")
+    tim, changes = both.viewers["tim"], (Action.PUBLISH, Action.CANCEL, Action.DELETE_DATA)
 
-    assert can(tim, Action.VIEW_PROGRAM, backend.show(run_id))
-    assert not any(can(tim, action, backend.show(run_id)) for action in changes)
-    assert not can(tim, Action.VIEW, backend.show(own))
-    other_teacher = Viewer(user_id=backend.user_id("olga"), account_role=tim.account_role)
-    assert not can(other_teacher, Action.VIEW, backend.show(run_id))
+    assert can(tim, Action.VIEW_PROGRAM, both.show(run_id))
+    assert not any(can(tim, action, both.show(run_id)) for action in changes)
+    assert not can(tim, Action.VIEW, both.show(own))
+    other_teacher = Viewer(user_id=both.user_id("olga"), account_role=tim.account_role)
+    assert not can(other_teacher, Action.VIEW, both.show(run_id))
 
-    with backend.database.writing() as session:
-        classrooms.leave(session, room, backend.user_id("ann"))
-    assert not can(tim, Action.VIEW, backend.show(run_id))
+    with both.database.writing() as session:
+        classrooms.leave(session, room, both.user_id("ann"))
+    assert not can(tim, Action.VIEW, both.show(run_id))
 
 
-def test_deleting_a_class_leaves_the_runs_to_the_pupils(backend: Backend) -> None:
-    room = classroom(backend, "ann")
-    run_id = hand_in(backend, "ann", assign(backend, room))
+def test_deleting_a_class_leaves_the_runs_to_the_pupils(both: Backend) -> None:
+    room = classroom(both, "ann")
+    run_id = hand_in(both, "ann", assign(both, room))
 
-    with backend.database.writing() as session:
+    with both.database.writing() as session:
         classrooms.remove(session, room)
 
-    run = backend.show(run_id)
-    assert (run.user_id, run.teacher_id) == (backend.user_id("ann"), None)
-    with backend.database.reading() as session:
+    run = both.show(run_id)
+    assert (run.user_id, run.teacher_id) == (both.user_id("ann"), None)
+    with both.database.reading() as session:
         assert assignments.of_run(session, run_id) is None

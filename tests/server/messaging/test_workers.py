@@ -178,21 +178,21 @@ def test_without_a_living_worker_nothing_is_in_the_box(backend: Backend) -> None
         assert workers.environments(session) == []
 
 
-def test_a_drained_worker_claims_no_run_until_it_is_resumed(backend: Backend) -> None:
-    _register(backend, "a")
-    backend.queue("ann")
-    with backend.database.writing() as session:
+def test_a_drained_worker_claims_no_run_until_it_is_resumed(both: Backend) -> None:
+    _register(both, "a")
+    both.queue("ann")
+    with both.database.writing() as session:
         assert workers.drain(session, "a")
         assert not workers.drain(session, "a")
-    refused, taken = backend.claim("a/0"), backend.claim("b/0")
+    refused, taken = both.claim("a/0"), both.claim("b/0")
 
-    with backend.database.writing() as session:
+    with both.database.writing() as session:
         assert workers.resume(session, "a")
-    backend.queue("ben")
+    both.queue("ben")
 
     assert refused is None
     assert taken is not None
-    assert backend.claim("a/0") is not None
+    assert both.claim("a/0") is not None
 
 
 def test_a_drained_worker_counts_for_nobody_who_waits(backend: Backend) -> None:

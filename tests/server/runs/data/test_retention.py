@@ -116,12 +116,12 @@ def test_beyond_a_total_size_the_oldest_private_practice_data_are_deleted(both: 
     assert [_has_data(both, run_id) for run_id in runs] == [True, False, False, True]
 
 
-def test_live_public_and_deleted_runs_are_not_deleted(backend: Backend) -> None:
-    running, public, gone = backend.running().run_id, backend.published(), backend.succeeded()
+def test_live_public_and_deleted_runs_are_not_deleted(both: Backend) -> None:
+    running, public, gone = both.running().run_id, both.published(), both.succeeded()
 
-    deleted = [retention.delete(backend.database, backend.settings, [gone]) for _ in range(2)]
+    deleted = [retention.delete(both.database, both.settings, [gone]) for _ in range(2)]
     refused = [
-        retention.delete(backend.database, backend.settings, [run_id])
+        retention.delete(both.database, both.settings, [run_id])
         for run_id in (running, public, 999)
     ]
 
