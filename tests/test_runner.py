@@ -66,7 +66,7 @@ def test_the_quick_tests_are_those_without_browser_boxes_and_postgresql() -> Non
     files = (
         "journey/test_event_loops.py",
         "server/database/test_advisory_locks.py",
-        "server/runs/record/test_totals.py",
+        "server/runs/queue/test_order.py",
     )
 
     collected = subprocess.run(
@@ -82,6 +82,7 @@ def test_the_quick_tests_are_those_without_browser_boxes_and_postgresql() -> Non
     assert [name for name in names if name] == [
         "test_another_test_of_the_process_can_run_an_event_loop",
         "test_no_two_critical_sections_share_a_lock",
-        "test_every_run_is_counted_once_before_and_after_maintenance[sqlite]",
-        "test_the_oldest_queued_run_is_found[sqlite]",
+        "test_the_key_orders_runs_as_claims_one_after_the_other",
+        "test_the_shares_are_counted_as_they_are_mixed",
+        "test_the_position_of_a_run_is_the_one_at_which_it_starts[sqlite]",
     ]
