@@ -6,7 +6,7 @@ from typing import Any
 import h5netcdf
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from scipy.io import netcdf_file
 
@@ -184,6 +184,7 @@ def test_netcdf_that_says_something_else_is_refused(
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
 @given(at=st.integers(0, 2000), value=st.binary(min_size=1, max_size=8))
+@example(at=39, value=b"\x00\x13")  # claims more data than fit in memory
 def test_netcdf_with_changed_bytes_is_read_or_refused(
     tmp_path: Path, at: int, value: bytes
 ) -> None:
