@@ -76,7 +76,7 @@ def read_netcdf(path: Path) -> Series:
     except CurrentRefused:
         raise
     except MemoryError:
-        raise CurrentRefused("The file cannot be read as NetCDF: it claims more data than fit in memory.") from None
+        raise CurrentRefused("The file claims to have more data than fit in memory.") from None
     except (OSError, ValueError, TypeError, KeyError, IndexError, RuntimeError) as error:
         # The libraries raise all of them at damaged files.
         raise CurrentRefused(f"The file cannot be read as NetCDF: {error}") from None
