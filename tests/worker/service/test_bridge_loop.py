@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from os import environ, getpid
 from typing import Any
 from urllib.parse import urlencode
@@ -23,9 +24,11 @@ from seamark.cli.server_bridge import run_on_server
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.tables import Token, User
+from seamark.server.messaging import bridge_sessions
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing.views import RunView
-from seamark.server.web.streams.access_watch import RENEW_S
+from seamark.server.web.streams import bridge_session, hub
+from seamark.server.web.streams.access_watch import AccessWatch
 from seamark.server.web.streams.bridge_session import REFUSED
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import NO_MOTHER
@@ -37,6 +40,15 @@ from tests.worker.conftest import POLL_S, START_S, Service
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 LANE = "w1@here/bridges-1"
+# Half of the service's times and less: most of the time of these tests would be spent on them.
+PRESENT_S, RENEW_S, OFFER_S = 4, 0.5, 1.0
+IMPATIENT = f"""
+import sys
+from seamark.server.messaging import bridge_sessions
+bridge_sessions.PRESENT_S, bridge_sessions.RENEW_S = {PRESENT_S}, {RENEW_S}
+from seamark.worker.service.bridge_loop import main
+main(*sys.argv[1:])
+"""
 GIVEN = {"benchmark": BENCHMARK, "seed": str(SEED), "config": orjson.dumps(SHORT).decode()}
 
 
@@ -81,16 +93,9 @@ class Site:
 
 
 def process_of(service: Service) -> "subprocess.Popen[bytes]":
-    module = [
-        "-s",
-        "-P",
-        "-m",
-        "seamark.worker.service.bridge_loop",
-        str(getpid()),
-        LANE,
-        str(NO_MOTHER),
-    ]
-    return subprocess.Popen([sys.executable, *module], env=environ | service.settings.environment())
+    arguments = ["-s", "-P", "-c", IMPATIENT, str(getpid()), LANE, str(NO_MOTHER)]
+    environment = environ | service.settings.environment()
+    return subprocess.Popen([sys.executable, *arguments], env=environment)
 
 
 def run_of(client: Client) -> int:
@@ -101,6 +106,11 @@ def run_of(client: Client) -> int:
 @pytest.fixture(scope="module")
 def _site(_bare: Service) -> Iterator[Site]:
     with ExitStack() as stack:
+        patch = stack.enter_context(pytest.MonkeyPatch.context())
+        patch.setattr(bridge_sessions, "PRESENT_S", PRESENT_S)
+        patch.setattr(bridge_session, "RENEW_S", RENEW_S)
+        patch.setattr(bridge_session, "OFFER_S", OFFER_S)
+        patch.setattr(hub, "AccessWatch", partial(AccessWatch, every_s=RENEW_S))
         app = create_app(_bare.settings)
         connecting = stack.enter_context(serving(app))
         with connecting(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n") as probe:
@@ -166,7 +176,9 @@ def test_a_program_on_another_machine_takes_part_through_the_command(site: Site)
     port = free_port()
 
     with ThreadPoolExecutor(1) as pool:
-        site.connect_when_free("ann").socket.close()  # until then it may wait for its slot
+        before = site.connect_when_free("ann")
+        before.socket.close()
+        site.ended(before)  # or the command would find no slot, and wait for seconds to try again
         address = TcpAddress("127.0.0.1", port)
         url = f"http://{site.address}"
         ending = pool.submit(run_on_server, url, token, wanted, address, said.append)
