@@ -28,9 +28,13 @@ LEFT_OUT = ("/vendor/three/", "/api/v1/")  # the library for 3D, and the data of
 DESKTOP: Any = {"width": 1280, "height": 900}
 
 
+# What shows the player of a run, of which test_player looks with axe.
+PLAYERS = ("run.show", "run.embed", "publications.permanent")
+
+
 @pytest.fixture(scope="module")
-def paths(service: Service, finished: tuple[int, Any]) -> list[str]:
-    """The addresses of all pages; an admin has been created who may see them."""
+def views(service: Service, finished: tuple[int, Any]) -> dict[str, str]:
+    """The view behind the address of each page; an admin has been created who may see them."""
     values = {"data": service.data, "secret_key": "x", "broker_url": "redis://127.0.0.1:1/0"}
     app = create_app(Settings.model_validate(values))
     with app.extensions["seamark"].database.writing() as session:
@@ -38,7 +42,21 @@ def paths(service: Service, finished: tuple[int, Any]) -> list[str]:
         create_first(session, admin.id)
     found = pages(app, run_id=finished[0], user="player", user_id=admin.id)
     app.extensions["seamark"].close()
-    return found
+    routes = app.url_map.bind("")
+    return {path: routes.match(path.partition("?")[0])[0] for path in found}
+
+
+@pytest.fixture(scope="module")
+def paths(views: dict[str, str]) -> list[str]:
+    """The addresses of all pages."""
+    return list(views)
+
+
+@pytest.fixture(scope="module")
+def fullest(views: dict[str, str]) -> set[str]:
+    """The address of one page of each view without a player: of several, the one with most."""
+    by_length = sorted(views, key=len)
+    return set({views[path]: path for path in by_length if views[path] not in PLAYERS}.values())
 
 
 class Weight:
@@ -105,21 +123,40 @@ def _opened(admin: Visitor, weight: Weight, paths: list[str]) -> Iterator[str]:
 
 
 @pytest.mark.timeout(1200)
-def test_every_page_is_accessible_light_and_as_wide_as_a_phone_and_has_no_error(
-    chromium: Browser, service: Service, paths: list[str]
+def test_every_page_is_light_and_as_wide_as_a_phone_and_has_no_error_and_one_of_each_is_accessible(
+    chromium: Browser, service: Service, paths: list[str], fullest: set[str]
 ) -> None:
     found = list[str]()
     assert len(paths) > 20
+    assert len(fullest) > 20
 
     with _signed_in(chromium, service) as (admin, weight):
         for path in _opened(admin, weight, paths):
             if (loaded := weight.bytes()) > LIGHT_KB * 1000:
                 found.append(f"{path}: {loaded / 1000:.0f} KB")
-            found += [f"{path}: {defect}" for defect in accessibility.defects(admin.page)]
+            if path in fullest:
+                found += [f"{path}: {defect}" for defect in accessibility.defects(admin.page)]
             found += [f"{path}: {defect}" for defect in _too_wide(admin.page)]
 
     assert "\n".join(found) == ""
     assert admin.errors == []
+
+
+@pytest.mark.long  # short: one page of each view above, and the run page in test_player
+@pytest.mark.timeout(1200)
+def test_further_pages_of_a_view_are_accessible_too(
+    chromium: Browser, service: Service, paths: list[str], fullest: set[str]
+) -> None:
+    further = [path for path in paths if path not in fullest]
+
+    with _signed_in(chromium, service) as (admin, weight):
+        found = [
+            f"{path}: {defect}"
+            for path in _opened(admin, weight, further)
+            for defect in accessibility.defects(admin.page)
+        ]
+
+    assert "\n".join(found) == ""
 
 
 @pytest.mark.long  # short: the dark home page and form below, and the run page in test_player
