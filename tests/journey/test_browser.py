@@ -34,11 +34,11 @@ def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/sign-up")
-    visitor.fill_in_account("journey")
-    visitor.open("/submit/currents-v1")
+def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/sign-up")
+    reader.fill_in_account("journey")
+    reader.open("/submit/currents-v1")
     file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
     choose_file(page, file)
     page.get_by_text("Ranked", exact=True).click()
@@ -47,23 +47,23 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     page.get_by_role("button", name="Start ranked run").click()
     expect(page.locator("[data-log]")).to_contain_text("level 1", timeout=RUN_MS)
     run = page.url.partition("#")[0]
-    visitor.rest()  # to draw the trials costs as much as to simulate them
-    visitor.wait_elsewhere(int(run.rpartition("/")[2]), timeout_ms=4 * RUN_MS)
+    reader.rest()  # to draw the trials costs as much as to simulate them
+    reader.wait_elsewhere(int(run.rpartition("/")[2]), timeout_ms=4 * RUN_MS)
     page.goto(run)
-    visitor.wait_for("succeeded")
+    reader.wait_for("succeeded")
     expect(page.locator("[data-log]")).to_contain_text("level 4")
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
-    visitor.publish()
+    reader.publish()
     expect(page.get_by_text("The run is now public")).to_be_visible()
-    visitor.open("/leaderboards/currents-v1")
+    reader.open("/leaderboards/currents-v1")
 
     row = page.get_by_role("row", name=re.compile("journey"))
     expect(row).to_contain_text("Steady hand")
     lines = download.value.path().read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
     assert len(rows) == 1 + TRIALS * 5 * LEVEL_S * 20
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(reader: Visitor) -> None:

@@ -32,17 +32,17 @@ def join_class(phone: Visitor, code: str) -> None:
 
 
 def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
-    service: Service, visitor: Visitor, phone: Visitor, finished: tuple[int, Any]
+    service: Service, reader: Visitor, phone: Visitor, finished: tuple[int, Any]
 ) -> None:
-    page, pupil = visitor.page, phone.page
-    visitor.sign_up("teacher")
+    page, pupil = reader.page, phone.page
+    reader.sign_up("teacher")
     make_teacher(service, "teacher")
-    visitor.open("/classes/")
+    reader.open("/classes/")
     page.get_by_label("Name").fill("Robotics 5b")
     page.get_by_role("button", name="Create class").click()
     code = page.locator("#class-code").inner_text()
     page.get_by_role("link", name="New assignment").click()
-    visitor.open(f"{page.url.removeprefix(visitor.url)}?run={finished[0]}")
+    reader.open(f"{page.url.removeprefix(reader.url)}?run={finished[0]}")
     page.get_by_label("Title").fill("Hold still")
     expect(page.get_by_label("Practice runs with my settings")).to_be_checked()
     expect(page.get_by_label("Take the settings from")).to_have_value(str(finished[0]))
@@ -51,7 +51,7 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     page.get_by_label("Deadline").fill(next_week.strftime("%Y-%m-%dT%H:%M"))
     page.get_by_role("button", name="Create assignment").click()
     expect(page.get_by_role("heading", name="Task")).to_be_visible()
-    assignment = page.url.removeprefix(visitor.url)
+    assignment = page.url.removeprefix(reader.url)
 
     join_class(phone, code)
     pupil.get_by_role("link", name="Hold still").click()
@@ -62,7 +62,7 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     phone.open(assignment)
     expect(pupil.get_by_role("region", name="Your runs")).to_contain_text("succeeded")
 
-    visitor.open(assignment)
+    reader.open(assignment)
     row = page.get_by_role("region", name="Students").get_by_role("row", name="pupil")
     with page.expect_download() as download:
         page.get_by_role("link", name="CSV").click()
@@ -70,5 +70,5 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     assert (line["pupil"], line["runs"], line["seed"]) == ("pupil", "1", "5")
     row.get_by_role("link").click()
     expect(page.get_by_role("link", name="Publish …")).to_have_count(0)
-    assert (visitor.errors, phone.errors) == ([], [])
-    assert (visitor.violations(), phone.violations()) == ([], [])
+    assert (reader.errors, phone.errors) == ([], [])
+    assert (reader.violations(), phone.violations()) == ([], [])

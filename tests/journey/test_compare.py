@@ -52,11 +52,11 @@ def _expect_time(page: Page, run_ids: list[int], seconds: float) -> None:
 
 
 def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
-    visitor: Visitor, run_ids: list[int]
+    reader: Visitor, run_ids: list[int]
 ) -> None:
-    page, run_ids = visitor.page, run_ids[:2]
-    visitor.sign_in(OWNER)
-    visitor.open("/runs/")
+    page, run_ids = reader.page, run_ids[:2]
+    reader.sign_in(OWNER)
+    reader.open("/runs/")
     for run_id in run_ids:
         page.get_by_label(f"Select run {run_id}", exact=True).check()
     page.get_by_role("button", name="Compare").click()
@@ -74,7 +74,7 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     expect(page.get_by_label("Level")).to_have_value("1")
     expect(page.locator(".chart")).to_have_count(3)
     expect(page.locator(".readout").first).to_contain_text("2.5 s")
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_scene_has_the_vehicle_and_the_path_of_every_run(
@@ -118,9 +118,9 @@ def test_five_runs_play_together_by_keyboard_alone(visitor: Visitor, run_ids: li
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_charts_are_chosen_and_a_run_is_removed(visitor: Visitor, run_ids: list[int]) -> None:
-    page, run_ids = visitor.page, run_ids[:3]
-    visitor.open(f"/compare?runs={','.join(map(str, run_ids))}")
+def test_charts_are_chosen_and_a_run_is_removed(reader: Visitor, run_ids: list[int]) -> None:
+    page, run_ids = reader.page, run_ids[:3]
+    reader.open(f"/compare?runs={','.join(map(str, run_ids))}")
     expect(page.locator(".chart")).to_have_count(3)
 
     page.get_by_text("Choose charts").click()
@@ -131,7 +131,7 @@ def test_charts_are_chosen_and_a_run_is_removed(visitor: Visitor, run_ids: list[
 
     expect(page.get_by_role("heading", name="Compare 2 runs")).to_be_visible()
     assert f"runs={run_ids[1]},{run_ids[2]}" in page.url
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_a_comparison_fits_on_a_phone(phone: Visitor, run_ids: list[int]) -> None:

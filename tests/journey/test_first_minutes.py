@@ -36,22 +36,22 @@ def test_the_demo_plays_while_the_same_run_waits_or_runs_and_leads_to_it(visitor
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_first_controller_is_kept_over_signing_up_and_runs(visitor: Visitor) -> None:
-    page = visitor.page
-    visitor.open("/")
+def test_the_first_controller_is_kept_over_signing_up_and_runs(reader: Visitor) -> None:
+    page = reader.page
+    reader.open("/")
     page.get_by_role("link", name="Write your first controller").click()
     page.locator(".cm-content").click()
     page.keyboard.press("Control+End")
     page.keyboard.type("# mine")
 
     page.get_by_role("link", name="Create an account to run it").click()
-    visitor.fill_in_account("first-timer")
+    reader.fill_in_account("first-timer")
 
     expect(page.locator(".cm-content")).to_contain_text("# mine")
     page.get_by_role("button", name="Run it").click()
     page.wait_for_url("**/runs/*")
-    visitor.wait_for("succeeded")
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    reader.wait_for("succeeded")
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_guide_of_the_first_controller_is_below_the_editor_on_a_phone(phone: Visitor) -> None:

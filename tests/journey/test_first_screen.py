@@ -180,10 +180,10 @@ def test_the_layout_is_the_same_after_a_reload_and_on_another_run(
 
 
 def test_the_menu_of_actions_closes_by_escape_and_by_a_click_elsewhere(
-    visitor: Visitor, finished: tuple[int, Any]
+    reader: Visitor, finished: tuple[int, Any]
 ) -> None:
-    page = visitor.page
-    visitor.open(f"/runs/{finished[0]}")
+    page = reader.page
+    reader.open(f"/runs/{finished[0]}")
     copy = page.get_by_role("button", name=re.compile("Copy link|Copied|Copy failed"))
     expect(copy).to_be_hidden()
 

@@ -27,6 +27,13 @@ def _open(visitor: Visitor, path: str) -> Page:
     return visitor.page
 
 
+def _read(reader: Visitor, path: str) -> Page:
+    """Open a page without its scene, for a test of what is beside that."""
+    reader.open(path)
+    expect(reader.page.locator(".chart").first).to_be_visible()
+    return reader.page
+
+
 def _time(page: Page) -> float:
     return float(page.locator("[data-time]").input_value())
 
@@ -122,10 +129,10 @@ def test_the_scene_from_on_board_is_as_turbid_as_the_cameras_picture(
 
 
 def test_losses_and_changes_of_the_level_are_marked_on_the_time_line(
-    visitor: Visitor, turbid: int
+    reader: Visitor, turbid: int
 ) -> None:
-    page = _open(visitor, f"/runs/{turbid}")
-    found = page.request.get(f"{visitor.url}/api/v1/runs/{turbid}/moments.json").json()
+    page = _read(reader, f"/runs/{turbid}")
+    found = page.request.get(f"{reader.url}/api/v1/runs/{turbid}/moments.json").json()
     marks = page.locator("[data-marks]")
 
     expect(marks.locator(".change")).to_have_count(3)
@@ -138,9 +145,9 @@ def test_losses_and_changes_of_the_level_are_marked_on_the_time_line(
 
 
 def test_the_axis_of_distances_becomes_logarithmic_and_stays_so_after_a_reload(
-    visitor: Visitor, finished: tuple[int, Any]
+    reader: Visitor, finished: tuple[int, Any]
 ) -> None:
-    page = _open(visitor, f"/runs/{finished[0]}")
+    page = _read(reader, f"/runs/{finished[0]}")
     box, axis = page.get_by_label("Logarithmic distances"), page.locator(".chart").first
     linear = _settled(axis)
 
@@ -150,7 +157,7 @@ def test_the_axis_of_distances_becomes_logarithmic_and_stays_so_after_a_reload(
     expect(box).to_be_checked()
 
     assert logarithmic != linear
-    assert visitor.errors == []
+    assert reader.errors == []
 
 
 def test_a_picture_and_a_clip_show_scene_camera_and_numbers(
@@ -193,11 +200,11 @@ def test_the_question_mark_lists_the_shortcuts(visitor: Visitor, finished: tuple
 
 
 def test_jumps_lead_to_levels_and_to_the_largest_error(
-    visitor: Visitor, finished: tuple[int, Any]
+    reader: Visitor, finished: tuple[int, Any]
 ) -> None:
     run_id, _ = finished
-    page = _open(visitor, f"/runs/{run_id}")
-    found = page.request.get(f"{visitor.url}/api/v1/runs/{run_id}/moments.json").json()
+    page = _read(reader, f"/runs/{run_id}")
+    found = page.request.get(f"{reader.url}/api/v1/runs/{run_id}/moments.json").json()
     jump, slider = page.get_by_label("Jump to"), page.locator("[data-time]")
 
     jump.select_option("Next level")
@@ -305,12 +312,12 @@ def test_a_scene_out_of_sight_is_not_drawn_while_the_run_plays_and_goes_on_when_
 
 
 def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_same_images(
-    visitor: Visitor,
+    reader: Visitor,
 ) -> None:
-    page = visitor.page
+    page = reader.page
     run = {"benchmark": "currents-v1", "controller": "p", "config": LONG, "seed": 3}
-    answer = page.request.post(f"{visitor.url}/api/v1/runs", data=run)
-    visitor.open(f"/runs/{answer.json()['id']}")
+    answer = page.request.post(f"{reader.url}/api/v1/runs", data=run)
+    reader.open(f"/runs/{answer.json()['id']}")
     live = page.get_by_role("button", name="Live", exact=True)
     expect(page.locator("[data-camera] img")).to_be_visible(timeout=RUN_MS)
     expect(live).to_have_attribute("aria-pressed", "true")
@@ -327,13 +334,13 @@ def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_sam
     expect(live).to_have_attribute("aria-pressed", "true")
     while _time(page) <= t + 2:
         page.wait_for_timeout(100)
-    visitor.press_and_confirm("Cancel")
-    visitor.wait_for("cancelled")
+    reader.press_and_confirm("Cancel")
+    reader.wait_for("cancelled")
 
     page.locator("[data-time]").fill(str(t))
     expect(image).to_have_attribute("src", re.compile(rf"t={t:.2f}$"))
     assert page.request.get(address).body() == while_running
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_the_player_fits_a_phone_and_its_bar_stays_in_sight(

@@ -56,8 +56,9 @@ def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
 def test_runs_are_found_published_withdrawn_and_deleted_by_keyboard_alone(phone: Visitor) -> None:
     page, keyboard = phone.page, phone.page.keyboard
     phone.sign_up("bulk")
-    for title in ("keep this", "drop this", "drop that"):
-        phone.wait_elsewhere(phone.submit(RUN | {"title": title}))
+    titles = ("keep this", "drop this", "drop that")
+    for run_id in [phone.submit(RUN | {"title": title}) for title in titles]:
+        phone.wait_elsewhere(run_id)
     phone.open("/runs/")
     expect(page.locator("svg.sparkline")).to_have_count(3)
     phone.tab_to(page.get_by_role("searchbox", name="Search"), most=40)

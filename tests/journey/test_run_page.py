@@ -70,10 +70,11 @@ def test_telemetry_can_be_downloaded_while_the_run_is_running(reader: Visitor) -
     assert (reader.errors, reader.violations()) == ([], [])
 
 
-def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor) -> None:
+def test_the_slider_and_the_play_button_change_the_camera_image(
+    visitor: Visitor, finished: tuple[int, Any]
+) -> None:
     page = visitor.page
-    _start(visitor, {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2})
-    visitor.wait_for("succeeded")
+    visitor.open(f"/runs/{finished[0]}")
 
     early, late = _seek(page, 1.0), _seek(page, 39.0)
     again = _seek(page, 1.0)

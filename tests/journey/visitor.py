@@ -97,6 +97,11 @@ class Visitor:
         """Publish a run through the API, without its page."""
         self._post(f"/runs/{run_id}/publish", {"method": "Steady hand"})
 
+    def cancel_unseen(self) -> None:
+        """Cancel the run of this page through the API, before the page could do it."""
+        path = self.page.url.partition("#")[0].removeprefix(self.url)
+        self._post(f"{path}/cancel", {})
+
     def _get(self, address: str) -> APIResponse:
         answer = self.page.request.get(address)
         expect(answer).to_be_ok()
