@@ -51,6 +51,7 @@ class Findings:
     """What a campaign has shown."""
 
     injected: int = 0
+    too_late: int = 0  # of the first of each: all runs had ended
     attempts: int = 0  # of the run that needed most
     seconds: float = 0.0
     standstill_s: float = 0.0  # the longest time in which no run ended
@@ -70,10 +71,12 @@ class Findings:
 class Campaign:
     """Runs under one fault."""
 
-    def __init__(self, installation: Installation, runs: int, seed: int) -> None:
+    def __init__(
+        self, installation: Installation, runs: int, seed: int, *, pause_max_s: float = 2.0
+    ) -> None:
         self._installation = installation
         self._service = installation.service
-        self._chance = default_rng(seed)
+        self._chance, self._pause_max_s = default_rng(seed), pause_max_s
         self._wanted = self._submit(runs)
         self._checks: list[int] = []
         self._over, self._progress = threading.Event(), threading.Event()
@@ -86,11 +89,12 @@ class Campaign:
         watchers = [threading.Thread(target=each) for each in (self._watch, self._visit)]
         for watcher in watchers:
             watcher.start()
-        while not self._over.wait(self._chance.uniform(0.0, 2.0)) or (
+        while not self._over.wait(self._chance.uniform(0.0, self._pause_max_s)) or (
             self.findings.injected < len(faults)
         ):
             self._order_check()
             self._progress.clear()
+            self.findings.too_late += self._over.is_set() and self.findings.injected < len(faults)
             next(turn)(self._installation, self._chance)
             self.findings.injected += 1
             # A service that never comes to anything before the next fault would show nothing.
