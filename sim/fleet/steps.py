@@ -110,6 +110,7 @@ def _step_block(
     begin = block * LANES
     end = min(begin + LANES, chosen.size)
     law = -1
+    work.moves[:] = False  # also the lanes without a vehicle: nothing is read for them
     for i in range(begin, end):
         moves = chosen[i] and _act(i, actions, shared, tables)
         work.moves[i - begin] = moves

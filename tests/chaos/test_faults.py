@@ -32,7 +32,7 @@ SHORT = tuple(
 @pytest.mark.parametrize(
     ("faults", "copies", "runs"),
     [
-        (SHORT, 1, 12),
+        (SHORT, 1, 16),
         pytest.param(QUICK, 1, 24, marks=pytest.mark.long),
         pytest.param(QUICK, 2, 32, marks=pytest.mark.long),
     ],

@@ -1,7 +1,11 @@
 """The vector environment, beside Gymnasium's own vectorisation of single environments."""
 
+import os
+import subprocess
+import sys
 import warnings
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -77,6 +81,21 @@ def test_a_vehicle_that_hits_the_bottom_moves_as_in_the_single_environment() -> 
         force = max(force, ours.telemetry[:, -2].max())
 
     assert force > 0.0
+
+
+@pytest.mark.long  # it compiles everything again; the test above is the one that it runs
+def test_no_index_of_a_fleet_is_out_of_bounds(tmp_path: Path) -> None:
+    checked = {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__, "-k", "bottom"],
+        env=os.environ | checked,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert "1 passed" in ended.stdout, ended.stdout[-2000:]
 
 
 @pytest.mark.slow
