@@ -67,7 +67,7 @@ LATE = LateCompilation()
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add what `./run fuzz-api` and `./run test` pass on."""
     parser.addoption(
-        "--api-cases", type=int, default=512, help="requests to the API on each database"
+        "--api-cases", type=int, default=768, help="requests to the API on each database"
     )
     parser.addoption(
         "--list-late-compilation",

@@ -22,7 +22,7 @@ from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
-from tests.worker.conftest import LONG, QUICK, SHORT, START_S, Service, service_with
+from tests.worker.conftest import LONG, QUICK, SHORT, START_S, P, Service, service_with
 from tests.worker.processes import command_line
 from tests.worker.service.test_side_processes import eventually, pid_of
 
@@ -37,17 +37,6 @@ class Controller:
     def __init__(self, config): time.sleep(2.0)
     def reset(self, level): pass
     def step(self, observation): return [0, 0, 0, 0]
-"""
-
-
-P = """
-class Controller:
-    def __init__(self, config):
-        self.kp = config["kp"]
-    def reset(self, level):
-        pass
-    def step(self, observation):
-        return [self.kp * observation.error[0], self.kp * observation.error[1], 0.0, 0.0]
 """
 
 

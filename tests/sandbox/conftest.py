@@ -47,4 +47,4 @@ def descriptors() -> set[tuple[str, str]]:
 def count_of_descriptors() -> int:
     """Return how many this process has open, without garbage of tests before."""
     gc.collect()
-    return len(os.listdir("/proc/self/fd"))
+    return len(descriptors())

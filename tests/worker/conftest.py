@@ -29,6 +29,16 @@ from tests.worker.processes import command_line
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
+# The built-in controller `p`, without its limit of the velocity reference.
+P = """
+class Controller:
+    def __init__(self, config):
+        self.kp = config["kp"]
+    def reset(self, level):
+        pass
+    def step(self, observation):
+        return [self.kp * observation.error[0], self.kp * observation.error[1], 0.0, 0.0]
+"""
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
 QUICK = {"lease_s": 3.0, "workers": 1}
 POLL_S = 0.1  # each look at a run or at all processes takes CPU from what it waits for

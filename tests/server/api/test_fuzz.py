@@ -19,9 +19,6 @@ from tests.cast import Backend
 from tests.server.api.conftest import Site
 
 ROLES = ("anonymous", "ann", "root")
-# The share of operations that serve one of a few random requests. The classes and the
-# administration, almost half of all, refuse a caller without an account.
-SERVED_MIN = {"anonymous": 1 / 7, "ann": 1 / 4, "root": 1 / 4}
 ROUND = 20  # cases of an operation until the next one has its turn
 PLAIN = {"Accept-Encoding": "identity"}  # schemathesis does not decompress what it gets by WSGI
 ROWS = 6  # runs, and tokens that may be revoked
@@ -131,7 +128,8 @@ def test_every_response_matches_the_openapi_document(
             break
 
     served = {operation for operation, status in answers if status < 400}
-    assert len(served) > len(operations) * SERVED_MIN[role]
+    # An anonymous caller is refused by the classes and the administration, almost half of all.
+    assert len(served) > len(operations) / 5
 
 
 def _cases(operation: Any) -> st.SearchStrategy[Any]:

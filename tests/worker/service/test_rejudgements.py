@@ -10,23 +10,11 @@ from seamark.server.administration.rejudgements import Difference, RejudgementVi
 from seamark.server.database.tables import Result, Run
 from seamark.server.messaging import broker
 from seamark.server.runs.record.states import RunState
-from tests.worker.conftest import LONG, Service, wait_until
+from tests.worker.conftest import LONG, P, Service, wait_until
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 
 ROOT = Actor("root")
-PROGRAM = """
-class Controller:
-    def __init__(self, config):
-        self.kp = config["kp"]
-
-    def reset(self, level):
-        pass
-
-    def step(self, observation):
-        x, y, _ = observation.error
-        return [self.kp * x, self.kp * y, 0.0, 0.0]
-"""
 
 
 def _rejudged(service: Service) -> tuple[RejudgementView, list[Difference]]:
@@ -50,7 +38,7 @@ def _rejudged(service: Service) -> tuple[RejudgementView, list[Difference]]:
 def test_an_unchanged_platform_gives_the_same_results_and_finds_one_that_was_tampered_with(
     running: Service, isolation: object
 ) -> None:
-    program, built_in = running.submit_program(PROGRAM), running.submit()
+    program, built_in = running.submit_program(P), running.submit()
     for run_id in (program, built_in):
         assert running.ended(run_id).state is RunState.SUCCEEDED
 

@@ -99,7 +99,7 @@ def test_a_score_that_is_always_the_same_agrees_with_itself(backend: Backend) ->
 @pytest.mark.slow
 def test_of_scores_that_hold_about_one_in_a_hundred_is_called_different() -> None:
     draw = np.random.default_rng(1)
-    differ, count = 0, 1000
+    differ, count = 0, 2000
 
     for _ in range(count):
         one, other = (
