@@ -1,7 +1,7 @@
 """Fish that swim between the camera and the target, on a seeded schedule.
 
 Time is divided into slots; in each, one fish crosses directly above the target, at a time and in a
-direction given by a hash.
+direction given by a hash. Where there is no target, there are no fish.
 """
 
 import numpy as np
@@ -52,7 +52,7 @@ def add_fish(
     Its outline is an ellipse with a tail; the coverage of a pixel follows from its distance to it.
     """
     there, along, heading = crossing(time_s, effects)
-    if not there:
+    if not there or scene.faces.shape[0] == 0:
         return
     rotation, centre = extrinsics
     s, c = sincos(heading)

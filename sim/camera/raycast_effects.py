@@ -145,7 +145,9 @@ def _with_light(
     """Return the view with the light at its nodes."""
     g, u, v = view.ground, scene.intrinsics[1], scene.intrinsics[2]
     depth = 1.0 / max(g[2, 0] * u + g[2, 1] * v + g[2, 2], 1e-3)
-    nearer = max(1.0 - (scene.seabed_m - scene.faces[0, 2]) / depth, 0.05)
+    nearer = 1.0
+    if scene.faces.shape[0]:
+        nearer = max(1.0 - (scene.seabed_m - scene.faces[0, 2]) / depth, 0.05)
     nodes = light_nodes(
         g, scene, (channel.attenuation, nearer), effects, window, extrinsics, time_s
     )

@@ -128,7 +128,8 @@ class PatternsConfiguration(DetectorSettings):
     fish_per_min: float = scene_setting(
         4.0,
         title="Fish",
-        help="Most fish of a level that swim through the view, drawn from 0 on.",
+        help="Most fish of a level, drawn from 0 on. None is seen: a fish swims above the box, and "
+        "this version has no box.",
         unit="1/min",
         low=0,
         high=60,

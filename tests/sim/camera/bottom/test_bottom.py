@@ -1,5 +1,7 @@
 """The painted bottom: its bytes, what its markers say, what covers what, and where the truth is."""
 
+import dataclasses
+
 import cv2
 import numpy as np
 import pytest
@@ -10,8 +12,10 @@ from seamark.sim.camera.bottom.bottom import GROUNDS, STRIP_M, Bottom, draw_bott
 from seamark.sim.camera.bottom.camera import BottomCamera
 from seamark.sim.camera.bottom.painter import Sun, packed_tile, paint
 from seamark.sim.camera.bottom.things import KINDS, NAMES, OBJECTS, Thing, draw_thing
+from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.seabed import TILE
+from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
 from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
@@ -211,3 +215,20 @@ def test_the_angle_of_a_thing_is_that_of_the_line_of_sight() -> None:
 
     assert seen.angle == pytest.approx(np.pi / 4)
     assert seen.distance == pytest.approx(1.5 * np.sqrt(2.0))
+
+
+def test_no_fish_swims_where_there_is_no_box() -> None:
+    """What lies in memory behind a scene without faces once told a fish where to swim."""
+    box = Target(length_m=0.5, width_m=0.5, height_m=1.0)
+    bottom, sun = bottom_with(), Effects(caustics=0.2, frame_s=0.1)
+    fish = dataclasses.replace(sun, fish_per_min=60.0, fish_length_m=0.5)
+    with_fish, without = (
+        BottomCamera(CLOSE, Water(), bottom, noise_seed=1, effects=effects)
+        for effects in (fish, sun)
+    )
+    faces = box.faces()
+    with_fish._scene = with_fish._scene._replace(faces=faces[:0])
+    pose = np.array([faces[0, 0], faces[0, 1], faces[0, 2] - 1.0, 0.0, 0.0, 0.0])
+
+    for frame in range(0, 30, 3):
+        assert np.array_equal(with_fish.grey(pose, frame), without.grey(pose, frame))
