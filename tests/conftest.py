@@ -29,6 +29,7 @@ from tests.services import (
     compiled_once,
     forked_commands,
     forked_processes,
+    forked_workers,
     postgres,
     s3,
     scratch,
@@ -78,6 +79,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_xdist_setupnodes(config: pytest.Config, specs: list[XSpec]) -> None:
     """Let the processes of the tests begin with what is loaded here, once for all."""
+    forked_workers.prepare()
     forked_processes.start(config, specs)
 
 

@@ -40,6 +40,7 @@ class Controller:
 """
 UPLOADS = 4  # one of so many runs is of an uploaded program
 POLL_S = 0.25
+VISIT_S = 0.5  # a page takes more CPU time than all other looks
 COMMAND_MAX = 120  # [characters] to print
 # A process that had just been started sees that its parent has gone when its modules are loaded.
 ORPHANS_S = 40.0
@@ -155,7 +156,7 @@ class Campaign:
     def _visit(self) -> None:
         """Read pages, as a proxy in front of both web servers would: from one or the other."""
         with httpx.Client(timeout=30.0) as client:
-            while not self._over.wait(POLL_S):
+            while not self._over.wait(VISIT_S):
                 answers = [self._status(client, port) for port in self._installation.ports]
                 self.findings.pages_broken += min(answers) >= 500 and 503 not in answers
 

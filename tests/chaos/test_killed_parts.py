@@ -184,7 +184,7 @@ def test_a_worker_that_is_stopped_while_it_starts_ends_and_leaves_the_list_alone
     service: Service,
 ) -> None:
     [name] = eventually(lambda: _listed(service), START_S)
-    another = service.start_worker()
+    another = service.start_worker_anew()  # which takes a while
     eventually(lambda: b"zygote" in b"".join(map(command_line, tree(another.pid))), START_S)
 
     another.terminate()

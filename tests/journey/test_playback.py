@@ -6,8 +6,7 @@ Everything is real: uploads by the HTTP interface, the queue, a worker's simulat
 import io
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -32,16 +31,10 @@ from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
 from tests.journey.short_tracking import BENCHMARK, NAME, PATH, SHARED_NAME, SHARED_PATH
+from tests.services import forked_workers
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
-ZYGOTE = f"""
-import sys
-sys.path.insert(0, {str(Path(__file__).parents[2])!r})
-from seamark.sim import registry
-registry.BENCHMARKS |= {{{NAME!r}: {PATH!r}, {SHARED_NAME!r}: {SHARED_PATH!r}}}
-from seamark.worker.zygote.process import main
-main(sys.argv[1:])
-"""
+SHORT = {NAME: PATH, SHARED_NAME: SHARED_PATH}
 BLIND = b"""
 class Tracker:
     def __init__(self, config):
@@ -181,11 +174,14 @@ def simulator(
     isolation: IsolationLevel, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Simulator]:
     """A worker's simulator that knows the short benchmark."""
-    cache = tmp_path_factory.mktemp("compiled")
-    started = Simulator(WorkerSlot(isolation, None), cache, program=("-c", ZYGOTE))
+    slot = WorkerSlot(isolation, None)
+    mother = forked_workers.mother(slot, SHORT)
+    slot = replace(slot, mother=mother.descriptor)
+    started = Simulator(slot, tmp_path_factory.mktemp("compiled"))
     started.start()
     yield started
     started.stop()
+    mother.stop()
 
 
 @pytest.fixture
@@ -195,8 +191,8 @@ def service(
     simulator: Simulator,
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Service]:
-    monkeypatch.setitem(registry.BENCHMARKS, NAME, PATH)
-    monkeypatch.setitem(registry.BENCHMARKS, SHARED_NAME, SHARED_PATH)
+    for name, path in SHORT.items():
+        monkeypatch.setitem(registry.BENCHMARKS, name, path)
     # With a key of its own, each test has other water, and luck decides about the last tenth.
     changes = {"seed_key": "the same water in each test"}
     backend.settings = backend.settings.model_copy(update=changes)

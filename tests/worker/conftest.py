@@ -24,7 +24,8 @@ from seamark.server.runs.showing.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import ONE_THREAD, worker_arguments
 from tests.cast import Backend
-from tests.services import tables
+from tests.services import forked_workers, tables
+from tests.services.forked_workers import ForkedWorker
 from tests.worker.processes import command_line
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
@@ -41,6 +42,7 @@ class Controller:
 """
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
 QUICK = {"lease_s": 3.0, "workers": 1}
+WorkerProcess = ForkedWorker | subprocess.Popen[bytes]
 POLL_S = 0.1  # each look at a run or at all processes takes CPU from what it waits for
 
 
@@ -57,17 +59,26 @@ class Service(Backend):
     """The cast's database with a broker and workers, and what the tests do to them."""
 
     redis: Redis
-    workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
+    workers: list[WorkerProcess] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.app = broker.celery_app(self.settings)
 
-    def start_worker(self) -> subprocess.Popen[bytes]:
-        command = [sys.executable, *worker_arguments(self.settings)]
+    def start_worker(self) -> WorkerProcess:
+        """Start a worker, as a fork that has loaded its modules."""
+        self.workers.append(forked_workers.start(*self._worker()))
+        return self.workers[-1]
+
+    def start_worker_anew(self) -> WorkerProcess:
+        """Start a worker as the service does."""
+        arguments, environment = self._worker()
+        command = [sys.executable, *arguments]
+        self.workers.append(subprocess.Popen(command, env=environment, start_new_session=True))
+        return self.workers[-1]
+
+    def _worker(self) -> tuple[list[str], dict[str, str]]:
         environment = os.environ | ONE_THREAD | self.settings.environment()
-        worker = subprocess.Popen(command, env=environment, start_new_session=True)
-        self.workers.append(worker)
-        return worker
+        return worker_arguments(self.settings), environment
 
     def kill_worker(self) -> None:
         """Kill everything of the last worker at once, as a power cut would."""

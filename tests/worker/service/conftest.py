@@ -1,6 +1,7 @@
 """What evaluates the runs of a worker in the process of a test."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from redis import Redis
@@ -10,14 +11,19 @@ from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
+from tests.services import forked_workers
 
 
 @pytest.fixture(scope="session")
 def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Simulator]:
-    made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path_factory.mktemp("compiled"))
+    slot = WorkerSlot(IsolationLevel.NONE, None)
+    mother = forked_workers.mother(slot)
+    slot = replace(slot, mother=mother.descriptor)
+    made = Simulator(slot, tmp_path_factory.mktemp("compiled"))
     made.start()
     yield made
     made.stop()
+    mother.stop()
 
 
 @pytest.fixture

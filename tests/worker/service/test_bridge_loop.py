@@ -21,6 +21,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.cli.server_bridge import run_on_server
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.tables import Token, User
@@ -31,9 +32,11 @@ from seamark.server.web.streams import bridge_session, hub
 from seamark.server.web.streams.access_watch import AccessWatch
 from seamark.server.web.streams.bridge_session import REFUSED
 from seamark.worker.evaluation.local import evaluate_locally
-from seamark.worker.evaluation.worker_slot import NO_MOTHER
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.zygote.client import Mother
 from tests.seamark.bridge.conftest import BENCHMARK, SEED, SHORT, configuration
 from tests.seamark.bridge.rosbridge.conftest import PATIENCE_S, Client
+from tests.services import forked_workers
 from tests.services.asgi import serving
 from tests.services.ports import free_port
 from tests.worker.conftest import POLL_S, START_S, Service
@@ -59,6 +62,7 @@ class Site:
     service: Service
     address: str
     stack: ExitStack
+    mother: Mother
     process: "subprocess.Popen[bytes]"
 
     def token(self, who: str) -> str:
@@ -86,16 +90,17 @@ class Site:
     def restart_process(self) -> None:
         self.process.kill()
         self.process.wait()
-        self.process = process_of(self.service)
+        self.process = process_of(self.service, self.mother)
 
     def ended(self, client: Client) -> RunView:
         return self.service.ended(run_of(client))
 
 
-def process_of(service: Service) -> "subprocess.Popen[bytes]":
-    arguments = ["-s", "-P", "-c", IMPATIENT, str(getpid()), LANE, str(NO_MOTHER)]
+def process_of(service: Service, mother: Mother) -> "subprocess.Popen[bytes]":
+    asked = mother.descriptor
+    arguments = ["-s", "-P", "-c", IMPATIENT, str(getpid()), LANE, str(asked)]
     environment = environ | service.settings.environment()
-    return subprocess.Popen([sys.executable, *arguments], env=environment)
+    return subprocess.Popen([sys.executable, *arguments], env=environment, pass_fds=[asked])
 
 
 def run_of(client: Client) -> int:
@@ -115,10 +120,12 @@ def _site(_bare: Service) -> Iterator[Site]:
         connecting = stack.enter_context(serving(app))
         with connecting(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n") as probe:
             host, port = probe.getpeername()
-        site = Site(_bare, f"{host}:{port}", stack, process_of(_bare))
+        mother = forked_workers.mother(WorkerSlot(IsolationLevel.NONE, None))
+        site = Site(_bare, f"{host}:{port}", stack, mother, process_of(_bare, mother))
         yield site
         site.process.terminate()
         site.process.wait()
+        mother.stop()
         app.extensions["seamark"].close()
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -151,6 +152,13 @@ def test_nothing_is_forked_from_a_process_with_threads(tmp_path: Path) -> None:
     assert run(THREADED, tmp_path).splitlines()[-1] == "None"
 
 
+@pytest.fixture(scope="module")
+def running(_bare: Service) -> Service:
+    """A service with a worker that has loaded nothing but what it loads itself."""
+    _bare.start_worker_anew()
+    return _bare
+
+
 @pytest.mark.slow
 @pytest.mark.host
 def test_a_nursery_has_one_thread_and_no_connection(running: Service) -> None:
@@ -181,6 +189,18 @@ def test_side_processes_are_forked_and_load_no_simulator(running: Service) -> No
 
 @pytest.mark.slow
 @pytest.mark.host
+def test_a_worker_that_tests_fork_has_the_processes_of_one_that_is_started(
+    running: Service,
+) -> None:
+    started, forked = running.workers[0].pid, running.start_worker().pid
+
+    same = eventually(lambda: (found := _modules(forked)) == _modules(started) and found)
+
+    assert same.count("seamark.worker.service.check_loop") == 2
+
+
+@pytest.mark.slow
+@pytest.mark.host
 def test_side_processes_run_again_after_their_nursery_was_killed(running: Service) -> None:
     worker = running.workers[0].pid
     eventually(lambda: is_running(running), START_S)
@@ -192,6 +212,13 @@ def test_side_processes_run_again_after_their_nursery_was_killed(running: Servic
 
     assert {parent_of(pid) for pid in after} == {worker}
     assert eventually(lambda: is_running(running)).alive
+
+
+def _modules(worker: int) -> list[str]:
+    """Return the module that each process of a worker runs."""
+    commands = [command_line(pid).decode() for pid in tree(worker)]
+    found = [re.search(r"seamark\.worker\.[\w.]+", command) for command in commands]
+    return sorted(module[0] for module in found if module)
 
 
 def _nurseries(service: Service) -> list[int]:

@@ -4,20 +4,22 @@ import os
 import socket
 import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from seamark.sandbox.isolation import proc_stats
 from seamark.sandbox.isolation.cgroup_parents import parent_groups
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.isolation.proc_stats import tree
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.messages import BoxFailed, Crashed, RunEnded, Started
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.zygote import client
-from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
+from seamark.worker.zygote.client import BoxBroken, Mother, Simulation, Simulator, SimulatorBroken
+from tests.services import forked_workers
 from tests.worker.evaluation.fakes import FakeListener
 from tests.worker.service.test_side_processes import eventually
 
@@ -146,27 +148,24 @@ def test_a_simulator_that_is_stopped_during_a_run_leaves_no_control_group(
         filename=program.name,
     )
     slot = WorkerSlot(isolation, None, languages=("python", "c"), warm_boxes=1)
-    simulator = Simulator(slot, tmp_path)
+    mother = forked_workers.mother(slot)
+    simulator = Simulator(replace(slot, mother=mother.descriptor), tmp_path)
     assert simulator.wait_warm(COMPILED_S)
-    owner = eventually(warm_zygote)
+    owner = eventually(lambda: zygote_with_box(mother))
 
     with simulator.begin(job):
         simulator.stop()
+    mother.stop()
 
     assert groups_of(owner) == []
 
 
-def warm_zygote() -> str | None:
-    """Return the pid of a child of this process that has a box in each hierarchy, or more."""
-    children = [pid for pid in os.listdir("/proc") if pid.isdigit() and is_ours(int(pid))]
-    return next((pid for pid in children if groups_of(pid)), None)
+def zygote_with_box(mother: Mother) -> int | None:
+    """Return the pid of a child of a mother that has a box in each hierarchy, or more."""
+    return next((pid for pid in tree(mother._process.pid) if groups_of(pid)), None)
 
 
-def is_ours(pid: int) -> bool:
-    return proc_stats.parent_of(pid) == os.getpid()
-
-
-def groups_of(pid: str) -> list[Path]:
+def groups_of(pid: int) -> list[Path]:
     return [
         group
         for folder in parent_groups().folders()

@@ -19,6 +19,7 @@ from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.zygote import client
 from seamark.worker.zygote.client import Mother, Simulator, SimulatorBroken
+from tests.services import forked_workers
 from tests.worker.conftest import SHORT
 from tests.worker.evaluation.fakes import FakeListener
 from tests.worker.processes import children, command_line
@@ -79,7 +80,7 @@ slot, cores = WorkerSlot.from_json(sys.argv[1]), WorkerSlot.from_json(sys.argv[1
 mother.LOADED_CPU_S = 0.0
 with mother._helpers(slot):
     print(len(tree(os.getpid())) - 1)
-    while not cores.parts()[1] or cores.parts()[0] < cores.parts()[1]:
+    while not cores.parts()[0]:
         time.sleep(0.05)
 print(len(tree(os.getpid())) - 1, cores.parts()[0])
 """
@@ -94,9 +95,9 @@ def mother(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Mother]:
 
 
 @pytest.fixture
-def own_mother(tmp_path: Path) -> Iterator[Mother]:
-    """A mother that the test ends."""
-    started = Mother.start(ALONE, tmp_path)
+def own_mother() -> Iterator[Mother]:
+    """A mother that the test ends, which has loaded everything."""
+    started = forked_workers.mother(ALONE)
     yield started
     started.stop()
 
