@@ -9,6 +9,7 @@ from itertools import count
 from typing import Any
 
 import pytest
+from flask import Flask
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
@@ -53,6 +54,35 @@ def site(both: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
     site.services.close()
 
 
+class Requests:
+    """Draws requests to the interface of a document, for one test after the other.
+
+    What draws them takes a second to make, and as long again to get ready as it draws the first.
+    """
+
+    own = 0  # the account of who asks
+
+    def __init__(self, app: Flask) -> None:
+        import schemathesis  # takes a tenth of what each process of tests takes to start
+
+        schema: Any = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", app)
+        schema.hook("map_path_parameters")(
+            lambda _context, values: _of_others(_with_ids_of_rows(values or {}), self.own)
+        )
+        schema.hook("map_body")(lambda _context, body: _of_a_benchmark(body))
+        self.operations: list[Any] = [found.ok() for found in schema.get_all_operations()]
+
+
+_REQUESTS: dict[str, Requests] = {}  # by the document
+
+
+def _requests_to(app: Flask) -> Requests:
+    document = app.test_client().get("/api/v1/openapi.json").text
+    if document not in _REQUESTS:
+        _REQUESTS[document] = Requests(app)
+    return _REQUESTS[document]
+
+
 def _with_ids_of_rows(parameters: dict[str, Any]) -> dict[str, Any]:
     """Return the parameters with small ids replaced by those of rows, random names by real ones."""
     found = {
@@ -89,19 +119,15 @@ def _of_a_benchmark(body: Any) -> Any:
 def test_every_response_matches_the_openapi_document(
     site: Site, role: str, request: pytest.FixtureRequest
 ) -> None:
-    import schemathesis  # takes a tenth of what each process of tests takes to start
+    from schemathesis import Case
     from schemathesis.checks import CHECKS, not_a_server_error
 
     cases = -(-request.config.getoption("--api-cases") // len(ROLES))
-    schema: Any = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", site.app)
-    own = site.user_id(role) if role in site.viewers else 0
+    requests = _requests_to(site.app)
+    requests.own = site.user_id(role) if role in site.viewers else 0
     drawn_for = f"{site.database.engine.dialect.name} {role}"  # else all draw the same requests
-    schema.hook("map_path_parameters")(
-        lambda _context, values: _of_others(_with_ids_of_rows(values or {}), own)
-    )
-    schema.hook("map_body")(lambda _context, body: _of_a_benchmark(body))
     checks: list[Any] = [check for check in CHECKS.get_all() if check.__name__ not in LENIENT]
-    operations: list[Any] = [found.ok() for found in schema.get_all_operations()]
+    operations = requests.operations
     tried, answers = 0, set[tuple[str, int]]()
     assert not_a_server_error in checks
 
@@ -117,10 +143,11 @@ def test_every_response_matches_the_openapi_document(
                 suppress_health_check=list(HealthCheck),
             )
             @given(case=_cases(operation))
-            def holds(case: schemathesis.Case[Any]) -> None:
+            def holds(case: Case[Any]) -> None:
                 nonlocal tried
                 tried += 1
-                answer = case.call_and_validate(headers=site.headers[role], checks=checks)
+                headers = site.headers[role]
+                answer = case.call_and_validate(app=site.app, headers=headers, checks=checks)
                 answers.add((f"{case.method} {case.path}", answer.status_code))
 
             holds()
