@@ -135,12 +135,17 @@ def _valkey() -> Iterator[str]:
         yield url
 
 
+@pytest.fixture(scope="session")
+def _valkey_client(_valkey: str) -> Iterator[Redis]:
+    with Redis.from_url(_valkey) as client:
+        yield client
+
+
 @pytest.fixture
-def redis_url(_valkey: str) -> Iterator[str]:
+def redis_url(_valkey: str, _valkey_client: Redis) -> Iterator[str]:
     """The unix:// URL of an empty broker."""
     yield _valkey
-    with Redis.from_url(_valkey) as client:
-        client.flushall()
+    _valkey_client.flushall()
 
 
 @pytest.fixture(scope="session")

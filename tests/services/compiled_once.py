@@ -5,9 +5,12 @@ their time.
 """
 
 from collections.abc import Callable, Iterable
+from types import CodeType
 from typing import Any, ClassVar
 
 from flask import Flask
+from flask.sansio.app import App
+from flask.sansio.blueprints import Blueprint, BlueprintSetupState
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
 from sqlalchemy import Engine
@@ -26,16 +29,17 @@ class CompiledTemplates(BytecodeCache):
     """The compiled templates of this process."""
 
     def __init__(self) -> None:
-        self._code: dict[tuple[str, str], bytes] = {}
+        self._code: dict[tuple[str, str], CodeType] = {}
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Load what was compiled from the same source."""
         if (code := self._code.get((bucket.key, bucket.checksum))) is not None:
-            bucket.bytecode_from_string(code)
+            bucket.code = code
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep what has been compiled."""
-        self._code[bucket.key, bucket.checksum] = bucket.bytecode_to_string()
+        assert bucket.code is not None
+        self._code[bucket.key, bucket.checksum] = bucket.code
 
 
 class CompiledRule(Rule):
@@ -79,6 +83,11 @@ class CompiledMap(Map):
             self._rules_by_endpoint.setdefault(rule.endpoint, []).append(rule)
         self._remap = True
 
+    def add_bound(self, rule: Rule) -> None:
+        """Add a route that is one of another application too."""
+        self._rules_by_endpoint.setdefault(rule.endpoint, []).append(rule)
+        self._remap = True
+
     def update(self) -> None:
         """Do what must be done before the next route is found, if any was added."""
         if not self._remap:
@@ -92,6 +101,36 @@ class CompiledMap(Map):
                     self._matchers[key].add(rule)
         self._matcher = self._matchers[key]
         super().update()
+
+
+class SharedRoutes(BlueprintSetupState):
+    """Gives an application the routes of a blueprint that another one has, rather than its own."""
+
+    _rules: ClassVar[dict[tuple[object, ...], Rule]] = {}
+
+    def add_url_rule(
+        self,
+        rule: str,
+        endpoint: str | None = None,
+        view_func: Callable[..., Any] | None = None,
+        **options: Any,
+    ) -> None:
+        """Add a route, and what answers its requests."""
+        routes = self.app.url_map
+        assert isinstance(routes, CompiledMap)
+        where = (self.url_prefix, self.subdomain, self.name_prefix, self.name)
+        how = (repr(sorted(self.url_defaults.items())), repr(sorted(options.items())))
+        key = (self.blueprint, *where, rule, endpoint, view_func, *how)
+        if (known := self._rules.get(key)) is None:
+            super().add_url_rule(rule, endpoint, view_func, **options)
+            own = endpoint or getattr(view_func, "__name__", "")
+            name = f"{self.name_prefix}.{self.name}.{own}".lstrip(".")
+            self._rules[key] = routes._rules_by_endpoint[name][-1]
+            return
+        routes.add_bound(known)
+        if view_func is not None:
+            answers = self.app.view_functions.setdefault(known.endpoint, view_func)
+            assert answers == view_func, f"two functions answer {known.endpoint}"
 
 
 def _of_route(rule: Rule) -> tuple[object, ...]:
@@ -130,6 +169,10 @@ class CompiledPostgresql(_CompiledStatements, PGDialect_psycopg):
     supports_statement_cache = True
 
 
+def _shared_routes(blueprint: Blueprint, app: App, options: Any, first: bool) -> SharedRoutes:
+    return SharedRoutes(blueprint, app, options, first)
+
+
 def share() -> None:
     """Let the applications that are created from now on share what they compile."""
     registry.register("sqlite", __name__, CompiledSqlite.__name__)
@@ -137,3 +180,4 @@ def share() -> None:
     Flask.jinja_options = {"bytecode_cache": CompiledTemplates()}
     Flask.url_rule_class = CompiledRule
     Flask.url_map_class = CompiledMap
+    Blueprint.make_setup_state = _shared_routes  # type: ignore[assignment, method-assign]

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from flask import Flask
+from flask import Flask, session
 from flask.testing import FlaskClient
+from flask_wtf.csrf import generate_csrf
 from werkzeug.test import TestResponse
 
 from seamark.server.accounts import accounts
@@ -19,7 +20,6 @@ from tests.services.oidc import Provider
 
 URL = "http://localhost"
 WORDS = "correct horse battery"
-_CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
 # What keeps its white space, and what white space beside it does not show.
 _KEPT = re.compile(r"(<(pre|textarea|script|template)\b[^>]*>)(.*?</\2>)", re.DOTALL)
 _BLOCKS = (
@@ -54,7 +54,7 @@ class PageText(TestResponse):
 
 @dataclass
 class Browser:
-    """A browser that keeps its cookies and sends the CSRF token as the form of a page does."""
+    """A browser that keeps its cookies and sends the CSRF token that the form of a page holds."""
 
     client: FlaskClient
 
@@ -66,9 +66,15 @@ class Browser:
         return self.client.post(path, data=form, **options)
 
     def csrf_token(self) -> str:
-        found = _CSRF_TOKEN.search(self.client.get("/sign-in").text)
-        assert found is not None
-        return found.group(1)
+        """Return what a page would hold that this browser asks for now, without its rendering."""
+        with (
+            self.client.session_transaction() as cookie,
+            self.client.application.test_request_context(),
+        ):
+            session.update(cookie)
+            token = str(generate_csrf())
+            cookie.update(session)
+        return token
 
 
 @dataclass
@@ -84,8 +90,8 @@ class Site(Backend):
             self.sign_in(name)
         client = self.app.test_client()
         client.response_wrapper = type("Page", (PageText, client.response_wrapper), {})
-        with client.session_transaction() as session:
-            session.update(self._cookies[name])
+        with client.session_transaction() as cookie:
+            cookie.update(self._cookies[name])
         return Browser(client)
 
     def sign_in(self, name: str) -> None:
