@@ -281,12 +281,21 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
     Without a worker that claims runs, the run waits for one and is not refused; so it does while
     programs are being installed that uploads may need.
     """
+    return upload_refusals(session, [language], settings)[language]
+
+
+def upload_refusals(
+    session: Session, languages: Iterable[str], settings: Settings
+) -> dict[str, str | None]:
+    """Return for each language what `upload_refusal` does."""
     alive = list(session.scalars(select(Worker).where(_CLAIMS)))
-    if not alive:
-        return None
+    if not alive or installation.is_under_way(settings):
+        return dict.fromkeys(languages)
+    return {language: _refusal(language, alive, settings) for language in languages}
+
+
+def _refusal(language: str, alive: Collection[Worker], settings: Settings) -> str | None:
     needed = IsolationLevel[settings.sandbox_min_level.upper()]
-    if installation.is_under_way(settings):
-        return None
     isolating = [worker for worker in alive if IsolationLevel[worker.level.upper()] >= needed]
     if not isolating:
         return (

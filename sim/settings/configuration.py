@@ -4,6 +4,7 @@ import difflib
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, ClassVar, Self
 
 from pydantic import (
@@ -266,11 +267,7 @@ def _message(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
 
 def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group."""
-    order = sorted(cls.settings().items(), key=lambda item: groups.index(group_of(item[1])))
-    properties = {name: property_of(name, field) for name, field in order}
-    for name, entry in properties.items():
-        if applies := cls.applies(name):
-            entry["x-applies"] = {other: list(values) for other, values in applies.items()}
+    properties = {name: dict(entry) for name, entry in _properties(cls, tuple(groups)).items()}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
@@ -278,3 +275,14 @@ def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) ->
         "additionalProperties": False,
         "properties": properties,
     }
+
+
+@cache
+def _properties(cls: type[Configuration], groups: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """Return setting -> its entry; made once, as the pages with a form ask for it several times."""
+    order = sorted(cls.settings().items(), key=lambda item: groups.index(group_of(item[1])))
+    properties = {name: property_of(name, field) for name, field in order}
+    for name, entry in properties.items():
+        if applies := cls.applies(name):
+            entry["x-applies"] = {other: list(values) for other, values in applies.items()}
+    return properties

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from seamark.programs.setting_values import Schema, text_of
 
@@ -90,13 +90,20 @@ def groups(
     """
     preset = preset_of(schema, values)
     groups: dict[tuple[bool, str], list[Field]] = {}
+    titles = {name: entry["title"] for name, entry in schema["properties"].items()}
     for name, entry in schema["properties"].items():
         default = preset.get(name, entry.get("default"))
         shown = values.get(name, default)
         key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
-        one = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
-        condition = _condition(schema, entry.get("x-applies", {}))
-        groups.setdefault(key, []).append(replace(one, condition=condition))
+        one = _field(
+            name,
+            entry,
+            shown=shown,
+            default=default,
+            error=errors.get(name, ""),
+            condition=_condition(titles, entry.get("x-applies", {})),
+        )
+        groups.setdefault(key, []).append(one)
     position = {title: index for index, title in enumerate(order)}
     ordered = sorted(groups.items(), key=lambda item: position.get(item[0][1], len(position)))
     return tuple(
@@ -133,9 +140,8 @@ def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, obje
     return preset
 
 
-def _condition(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
+def _condition(titles: Mapping[str, str], applies: Mapping[str, Sequence[str]]) -> str:
     """Return when a setting has an effect, such as "Tracker esm or visp"."""
-    titles = {name: entry["title"] for name, entry in schema["properties"].items()}
     return "; ".join(
         f"{titles.get(other, SOLUTION_TITLE)} {' or '.join(values)}"
         for other, values in applies.items()
@@ -167,7 +173,9 @@ def _number(text: str) -> object:
     return value if math.isfinite(value) else text
 
 
-def _field(name: str, entry: Schema, *, shown: object, default: object, error: str) -> Field:
+def _field(
+    name: str, entry: Schema, *, shown: object, default: object, error: str, condition: str
+) -> Field:
     numeric = entry["type"] in {"number", "integer"}
     labels = entry.get("x-labels", {})
     return Field(
@@ -189,6 +197,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         error=error,
         names=tuple(entry.get("x-names", ())),
         applies=entry.get("x-applies", {}),
+        condition=condition,
     )
 
 

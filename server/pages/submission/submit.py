@@ -191,11 +191,8 @@ def _show(
     general = [text for name, text in errors.items() if name not in fields]
     groups = form_fields.groups(schema, values, errors, order=benchmark.groups)
     with services().database.reading() as session:
-        refusals = {
-            language.name: workers.upload_refusal(session, language.name, settings)
-            for language in LANGUAGES.values()
-            if benchmark.role in language.roles
-        }
+        accepted = [one.name for one in LANGUAGES.values() if benchmark.role in one.roles]
+        refusals = workers.upload_refusals(session, accepted, settings)
         used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, settings)
         ranked = can(g.viewer, Action.SUBMIT_RANKED)
         ranked_day = quota.ranked_times(session, g.viewer, benchmark.name) if ranked else []
