@@ -20,10 +20,11 @@ from seamark.embedded.broker import command as broker_command
 from seamark.embedded.broker import find_server
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.settings import Settings
-from tests.services import faulty_s3, postgres, s3
+from seamark.worker.service.command_line import ONE_THREAD, worker_arguments
+from tests.services import faulty_s3, forked_workers, postgres, s3
 from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
-from tests.worker.conftest import Service, service_with, wait_until
+from tests.worker.conftest import Service, WorkerProcess, service_with, wait_until
 from tests.worker.processes import command_line
 
 ZYGOTE = "seamark.worker.zygote.process"
@@ -74,8 +75,11 @@ class Installation:
         service: Callable[[Settings], Service] = service_with,
         objects: FaultyS3 | None = None,
         copies: int = COPIES,
+        forked: bool = False,
         **settings: Any,
     ):
+        if forked:
+            forked_workers.prepare()
         self.objects = objects
         self._others = set(tree(os.getpid()))  # of other tests in this process, and the database
         self.broker = Broker(folder)
@@ -86,12 +90,16 @@ class Installation:
             urls | QUOTAS | {"workers": 1, "secret_key": "test"} | settings
         )
         self.service = service(self.settings)
+        self._forked = forked
         self.log = (folder / "log").open("ab")
         self.ports = [free_port() for _ in range(copies)]
         self.web_servers = [self._web_server(port) for port in self.ports]
         self.workers = [self._worker() for _ in range(copies)]
 
-    def _worker(self) -> "subprocess.Popen[bytes]":
+    def _worker(self) -> WorkerProcess:
+        if self._forked:
+            environment = os.environ | ONE_THREAD | self.settings.environment()
+            return forked_workers.start(worker_arguments(self.settings), environment, self.log)
         return self._start("worker")
 
     def _web_server(self, port: int) -> "subprocess.Popen[bytes]":

@@ -30,17 +30,17 @@ SHORT = tuple(
 @pytest.mark.slow
 @pytest.mark.host
 @pytest.mark.parametrize(
-    ("faults", "copies", "runs"),
+    ("faults", "copies", "runs", "forked"),
     [
-        (SHORT, 1, 16),
-        pytest.param(QUICK, 1, 24, marks=pytest.mark.long),
-        pytest.param(QUICK, 2, 32, marks=pytest.mark.long),
+        (SHORT, 1, 16, True),
+        pytest.param(QUICK, 1, 24, False, marks=pytest.mark.long),
+        pytest.param(QUICK, 2, 32, False, marks=pytest.mark.long),
     ],
 )
 def test_whatever_happens_to_a_service_each_run_gets_the_result_of_an_undisturbed_one(
-    faults: tuple[str, ...], copies: int, runs: int
+    faults: tuple[str, ...], copies: int, runs: int, *, forked: bool
 ) -> None:
-    with installation(copies=copies, **SHORT_LEASES) as service:
+    with installation(copies=copies, forked=forked, **SHORT_LEASES) as service:
         campaign = Campaign(service, runs, SEED, pause_max_s=PAUSE_MAX_S)
         found = campaign.run(*(FAULTS[name] for name in faults))
 

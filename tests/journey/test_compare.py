@@ -98,9 +98,9 @@ def test_the_scene_has_the_vehicle_and_the_path_of_every_run(
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_five_runs_play_together_by_keyboard_alone(visitor: Visitor, run_ids: list[int]) -> None:
-    page = visitor.page
-    visitor.open(f"/compare?runs={','.join(map(str, run_ids))}")
+def test_five_runs_play_together_by_keyboard_alone(reader: Visitor, run_ids: list[int]) -> None:
+    page = reader.page
+    reader.open(f"/compare?runs={','.join(map(str, run_ids))}")
     before = _views(page, run_ids)
 
     page.get_by_role("button", name="Play").focus()
@@ -115,7 +115,7 @@ def test_five_runs_play_together_by_keyboard_alone(visitor: Visitor, run_ids: li
 
     assert len(set(_views(page, run_ids))) == 5
     assert set(_views(page, run_ids)).isdisjoint(before)
-    assert (visitor.errors, visitor.violations()) == ([], [])
+    assert (reader.errors, reader.violations()) == ([], [])
 
 
 def test_charts_are_chosen_and_a_run_is_removed(reader: Visitor, run_ids: list[int]) -> None:

@@ -194,6 +194,14 @@ def _styled(background: str, colours: str) -> str:
         <div class="faint">{row}</div></main></html>"""
 
 
+@pytest.fixture(scope="module")
+def page(chromium: Browser) -> Iterator[Page]:
+    """A page of its own, for contents that a test writes."""
+    opened = chromium.new_page()
+    yield opened
+    opened.close()
+
+
 @pytest.mark.parametrize(
     ("background", "faint_in", "found"),
     [
@@ -204,22 +212,19 @@ def _styled(background: str, colours: str) -> str:
     ],
 )
 def test_one_faint_text_among_others_of_its_kind_is_found_in_the_theme_that_it_is_faint_in(
-    chromium: Browser, background: str, faint_in: str, found: list[str]
+    page: Page, background: str, faint_in: str, found: list[str]
 ) -> None:
-    page = chromium.new_page()
     page.set_content(_styled(background, faint_in))
 
     reports = {theme: [*accessibility.faint_texts(page, theme)] for theme in ("light", "dark")}
 
     assert [theme for theme, faint in reports.items() if faint] == found
     assert all("color-contrast" in report for faint in reports.values() for report in faint)
-    page.close()
 
 
 def test_a_text_among_its_like_is_found_above_a_part_of_the_page_that_makes_it_faint(
-    chromium: Browser,
+    page: Page,
 ) -> None:
-    page = chromium.new_page()
     row = '<p style="height: 20px; margin: 0">Depth of the vehicle</p>'
     box = "position: absolute; left: 0; width: 100%; height: 20px; background: #555; z-index: -1"
     page.set_content(f"""<!doctype html><html lang="en"><title>Rows</title>
@@ -230,4 +235,3 @@ def test_a_text_among_its_like_is_found_above_a_part_of_the_page_that_makes_it_f
     (report,) = accessibility.defects(page)
 
     assert "color-contrast" in report
-    page.close()

@@ -2,6 +2,8 @@
 
 import math
 import re
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -355,15 +357,22 @@ def test_the_player_fits_a_phone_and_its_bar_stays_in_sight(
     assert page.evaluate("document.documentElement.scrollWidth") <= 375
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(
+    ("scheme", "found"),
+    [("light", accessibility.defects), ("dark", partial(accessibility.faint_texts, theme="dark"))],
+)
 def test_axe_finds_nothing_on_the_run_page_and_the_embedded_player(
-    chromium: Browser, service: Service, finished: tuple[int, Any], scheme: Any
+    chromium: Browser,
+    service: Service,
+    finished: tuple[int, Any],
+    scheme: Any,
+    found: Callable[[Page], Iterator[str]],
 ) -> None:
     context = chromium.new_context(color_scheme=scheme, viewport={"width": 1280, "height": 900})
     visitor = Visitor(context.new_page(), service.url)
 
     for path in (f"/runs/{finished[0]}", f"/runs/{finished[0]}/embed"):
         visitor.open(path)
-        assert list(accessibility.defects(visitor.page)) == [], path
+        assert list(found(visitor.page)) == [], path
     assert visitor.errors == []
     context.close()

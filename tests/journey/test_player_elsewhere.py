@@ -60,23 +60,13 @@ def test_a_site_that_the_operator_allows_shows_the_player_in_a_frame_and_others_
 
 
 def test_without_webgl_a_picture_and_a_sentence_stand_for_the_scene(
-    service: Service, finished: tuple[int, Any], chromium: Browser
+    reader: Visitor, finished: tuple[int, Any]
 ) -> None:
-    context = chromium.new_context()
-    # As in a browser without WebGL; the rest of the canvas stays.
-    context.add_init_script(
-        "const get = HTMLCanvasElement.prototype.getContext;"
-        "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
-        "  return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); };"
-    )
-    visitor = Visitor(context.new_page(), service.url)
-    visitor.open(f"/runs/{finished[0]}")
+    page = reader.page
+    reader.open(f"/runs/{finished[0]}")
 
-    expect(visitor.page.get_by_text("cannot draw 3-D graphics")).to_be_visible(timeout=SCENE_MS)
-    visitor.page.locator("[data-time]").fill("30")
-    expect(visitor.page.locator("[data-camera] img")).to_have_attribute(
-        "src", re.compile(r"t=30\.00$")
-    )
-    expect(visitor.page.locator("[data-clock]")).to_contain_text("30.00 s")
-    assert visitor.errors == []
-    context.close()
+    expect(page.get_by_text("cannot draw 3-D graphics")).to_be_visible(timeout=SCENE_MS)
+    page.locator("[data-time]").fill("30")
+    expect(page.locator("[data-camera] img")).to_have_attribute("src", re.compile(r"t=30\.00$"))
+    expect(page.locator("[data-clock]")).to_contain_text("30.00 s")
+    assert reader.errors == []

@@ -14,7 +14,7 @@ import subprocess
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import fork_server
@@ -81,10 +81,13 @@ def _end(process: "subprocess.Popen[bytes]", owner: int) -> None:
         process.wait()
 
 
-def start(arguments: list[str], environment: dict[str, str]) -> ForkedWorker:
+def start(
+    arguments: list[str], environment: dict[str, str], log: IO[bytes] | None = None
+) -> ForkedWorker:
     """Start a worker, in a session of its own, as `python` does with the arguments."""
+    output = _STDERR if log is None else log.fileno()
     values = {"arguments": arguments, "environment": environment, "folder": str(Path.cwd())}
-    return ForkedWorker(_ask("worker", values, _STDERR))
+    return ForkedWorker(_ask("worker", values, output))
 
 
 def mother(slot: WorkerSlot, benchmarks: Mapping[str, str] = NO_MORE) -> Mother:
