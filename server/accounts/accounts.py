@@ -9,11 +9,12 @@ import secrets
 import time
 from base64 import b64encode
 from collections.abc import Iterable
+from typing import Any
 
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
 from argon2.low_level import ARGON2_VERSION
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import Row, bindparam, delete, func, select, update
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
@@ -197,7 +198,7 @@ def revoke_token(session: Session, user_id: int, token_id: int) -> bool:
 def viewer_of_token(session: Session, text: str) -> Viewer | None:
     """Return the viewer of a token; None if it is unknown or expired, or the account disabled."""
     row = _valid_token(session, text)
-    return None if row is None else _viewer_by(*row)
+    return None if row is None else _viewer_by(row)
 
 
 def use_token(database: Database, text: str) -> Viewer | None:
@@ -207,41 +208,56 @@ def use_token(database: Database, text: str) -> Viewer | None:
     """
     with database.reading() as session:
         row = _valid_token(session, text)
-        if row is None:
-            return None
-        token, user = row
-        viewer, used_at, now = _viewer_by(token, user), token.last_used_at or 0.0, time.time()
-    if used_at < now - _USED_STEP_S:
-        unrecorded = Token.last_used_at.is_(None) | (Token.last_used_at < now - _USED_STEP_S)
-        used = update(Token).where(Token.id == token.id, unrecorded).values(last_used_at=now)
-        with contextlib.suppress(OperationalError), database.writing() as session:
-            session.execute(used)
-    return viewer
-
-
-def _valid_token(session: Session, text: str) -> tuple[Token, User] | None:
-    query = select(Token, User).join(User, User.id == Token.user_id)
-    row = session.execute(query.where(Token.hash == secret_hash(text))).one_or_none()
     if row is None:
         return None
-    token, user = row
-    expired = token.expires_at is not None and token.expires_at <= time.time()
-    return None if expired or user.disabled_at is not None else (token, user)
+    now = time.time()
+    if (row.last_used_at or 0.0) < now - _USED_STEP_S:
+        unrecorded = Token.last_used_at.is_(None) | (Token.last_used_at < now - _USED_STEP_S)
+        used = update(Token).where(Token.id == row.id, unrecorded).values(last_used_at=now)
+        with contextlib.suppress(OperationalError), database.writing() as session:
+            session.execute(used)
+    return _viewer_by(row)
 
 
-def _viewer_by(token: Token, user: User) -> Viewer:
-    expires_at = math.inf if token.expires_at is None else token.expires_at
-    return viewer_of_user(user, token.scopes, token_expires_at=expires_at)
+# Almost every request asks for it, or for that of a browser: to make it takes as long as to ask.
+_BY_HASH = (
+    select(
+        *(Token.id, Token.scopes, Token.expires_at, Token.last_used_at),
+        *(User.id.label("user_id"), User.name, User.role, User.disabled_at),
+    )
+    .join(User, User.id == Token.user_id)
+    .where(Token.hash == bindparam("hash"))
+)
 
 
-def viewer_of_user(
-    user: User, scopes: Iterable[str], *, token_expires_at: float | None = None
+def _valid_token(session: Session, text: str) -> Row[Any] | None:
+    row = session.execute(_BY_HASH, {"hash": secret_hash(text)}).one_or_none()
+    if row is None:
+        return None
+    expired = row.expires_at is not None and row.expires_at <= time.time()
+    return None if expired or row.disabled_at is not None else row
+
+
+def _viewer_by(row: Row[Any]) -> Viewer:
+    expires_at = math.inf if row.expires_at is None else row.expires_at
+    return viewer_of_account(
+        row.user_id, row.name, row.role, row.scopes, token_expires_at=expires_at
+    )
+
+
+def viewer_of_account(
+    user_id: int,
+    name: str,
+    role: str,
+    scopes: Iterable[str],
+    *,
+    token_expires_at: float | None = None,
 ) -> Viewer:
     """Return the viewer of an account with some scopes."""
     return Viewer(
-        user_id=user.id,
-        name=user.name,
-        account_role=Role[user.role.upper()],
+        user_id=user_id,
+        name=name,
+        account_role=Role[role.upper()],
         scopes=frozenset(scopes),
         token_expires_at=token_expires_at,
     )

@@ -4,7 +4,7 @@ import secrets
 import time
 from dataclasses import dataclass
 
-from sqlalchemy import delete, select
+from sqlalchemy import bindparam, delete, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts import accounts
@@ -75,16 +75,19 @@ def end_by_handle(session: Session, user_id: int, handle: str) -> bool:
     return bool(named)
 
 
+_BY_HASH = (
+    select(User.id, User.name, User.role)
+    .join(BrowserSession, BrowserSession.user_id == User.id)
+    .where(
+        BrowserSession.hash == bindparam("hash"),
+        BrowserSession.expires_at > bindparam("now"),
+        User.disabled_at.is_(None),
+    )
+)
+
+
 def viewer_of(session: Session, text: str) -> Viewer | None:
     """Return the viewer of a browser; None if it was signed out, or its time or account ended."""
-    query = (
-        select(User)
-        .join(BrowserSession, BrowserSession.user_id == User.id)
-        .where(
-            BrowserSession.hash == accounts.secret_hash(text),
-            BrowserSession.expires_at > time.time(),
-            User.disabled_at.is_(None),
-        )
-    )
-    user = session.scalar(query)
-    return None if user is None else accounts.viewer_of_user(user, SCOPES)
+    values = {"hash": accounts.secret_hash(text), "now": time.time()}
+    user = session.execute(_BY_HASH, values).one_or_none()
+    return None if user is None else accounts.viewer_of_account(*user, SCOPES)
