@@ -230,7 +230,7 @@ _BY_HASH = (
 )
 
 
-def _valid_token(session: Session, text: str) -> Row[Any] | None:
+def _valid_token(session: Session, text: str) -> Row[*tuple[Any, ...]] | None:
     row = session.execute(_BY_HASH, {"hash": secret_hash(text)}).one_or_none()
     if row is None:
         return None
@@ -238,7 +238,7 @@ def _valid_token(session: Session, text: str) -> Row[Any] | None:
     return None if expired or row.disabled_at is not None else row
 
 
-def _viewer_by(row: Row[Any]) -> Viewer:
+def _viewer_by(row: Row[*tuple[Any, ...]]) -> Viewer:
     expires_at = math.inf if row.expires_at is None else row.expires_at
     return viewer_of_account(
         row.user_id, row.name, row.role, row.scopes, token_expires_at=expires_at

@@ -4,6 +4,8 @@ Each test has an application and a database of its own; the service has one. Com
 their time.
 """
 
+import atexit
+import tempfile
 from collections.abc import Callable, Iterable
 from types import CodeType
 from typing import Any, ClassVar
@@ -21,6 +23,8 @@ from sqlalchemy.util import LRUCache
 from werkzeug.routing import BaseConverter, Map, Rule
 from werkzeug.routing.matcher import StateMachineMatcher
 from werkzeug.routing.rules import RuleFactory, RulePart
+
+from seamark.server.settings import Settings
 
 Builder = Callable[..., tuple[str, str]]
 
@@ -181,3 +185,22 @@ def share() -> None:
     Flask.url_rule_class = CompiledRule
     Flask.url_map_class = CompiledMap
     Blueprint.make_setup_state = _shared_routes  # type: ignore[assignment, method-assign]
+
+
+def prepare() -> None:
+    """Compile what every process of tests would compile for itself, before they are forked."""
+    # Not above: most of what is tested does without the web application.
+    from seamark.server.app import create_app
+    from tests.services import tables
+
+    tables.prepare()
+    with tempfile.TemporaryDirectory() as folder:
+        values = {"data": folder, "database_url": "sqlite://", "secret_key": "only-for-tests"}
+        # Nothing listens there, and nobody asks.
+        app = create_app(Settings.model_validate(values | {"broker_url": "redis://127.0.0.1:1"}))
+        app.url_map.update()
+        for name in app.jinja_env.list_templates(extensions=["html"]):
+            app.jinja_env.get_template(name)
+        services = app.extensions["seamark"]
+        services.close()
+        atexit.unregister(services.close)

@@ -19,6 +19,8 @@ from _pytest.outcomes import OutcomeException
 from _pytest.pathlib import ImportMode, import_path, module_name_from_path
 from execnet import XSpec, gateway_io
 
+from tests.services import compiled_once
+
 # Libraries whose threads start as they are loaded: a fork would be without them.
 _WITH_THREADS = re.compile(r"^(import|from) (onnxruntime|pandas|polars|pyarrow)\b", re.MULTILINE)
 _FAILED = 1
@@ -68,6 +70,8 @@ def start(config: pytest.Config, specs: list[XSpec]) -> None:
     if not all(spec.popen for spec in specs):
         return
     _load(config)
+    if "seamark.server.app" in sys.modules:
+        compiled_once.prepare()
     if (threads := len(os.listdir("/proc/self/task"))) > 1:
         reporter: pytest.TerminalReporter = config.pluginmanager.getplugin("terminalreporter")
         reporter.write_line(f"No forks: loading the tests started {threads - 1} threads.")
