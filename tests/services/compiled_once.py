@@ -193,14 +193,17 @@ def prepare() -> None:
     from seamark.server.app import create_app
     from tests.services import tables
 
-    tables.prepare()
     with tempfile.TemporaryDirectory() as folder:
-        values = {"data": folder, "database_url": "sqlite://", "secret_key": "only-for-tests"}
-        # Nothing listens there, and nobody asks.
-        app = create_app(Settings.model_validate(values | {"broker_url": "redis://127.0.0.1:1"}))
-        app.url_map.update()
+        values = {"data": folder, "database_url": f"sqlite:///{folder}/seamark.db"}
+        # Nothing listens there.
+        values |= {"broker_url": "redis://127.0.0.1:1", "secret_key": "only-for-tests"}
+        settings = Settings.model_validate(values)
+        tables.create(settings).close()
+        app = create_app(settings)
         for name in app.jinja_env.list_templates(extensions=["html"]):
             app.jinja_env.get_template(name)
+        answer = app.test_client().get("/docs/search?q=thruster")  # indexes the documentation
+        assert answer.status_code == 200, answer.text
         services = app.extensions["seamark"]
         services.close()
         atexit.unregister(services.close)

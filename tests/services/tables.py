@@ -44,8 +44,3 @@ def _migrated() -> bytes:
         file = Path(folder, "tables.db")
         migrate(f"sqlite:///{file}")
         return file.read_bytes()
-
-
-def prepare() -> None:
-    """Migrate the database that `create` copies."""
-    _migrated()
