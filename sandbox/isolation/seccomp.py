@@ -10,6 +10,7 @@ import errno
 import platform
 import struct
 from collections.abc import Iterable
+from functools import cache
 
 from seamark.sandbox.isolation.argument_rules import REFUSALS, Refusal, Test
 from seamark.sandbox.isolation.system_calls import (
@@ -42,6 +43,7 @@ def supported() -> bool:
     return platform.machine() == MACHINE
 
 
+@cache
 def build() -> bytes:
     """Return the filter as an array of `struct sock_filter`, as `bwrap --seccomp` reads it."""
     program = [

@@ -1,6 +1,5 @@
 """The program's end of the protocol (docs/protocol.md), for the scripts inside a box."""
 
-import json
 import os
 import resource
 from collections.abc import Sequence
@@ -44,6 +43,8 @@ class Connection:
 
     def program(self) -> "tuple[dict[str, Any], bytes]":
         """Receive header and program."""
+        import json  # noqa: PLC0415  (6 ms that a script which becomes another does not need)
+
         header_size, source_size = SIZES.unpack(self.receive()[1])
         data = bytearray()
         while len(data) < header_size + source_size:

@@ -15,6 +15,7 @@ from ...inside.port_names import (
     observation_spans,
 )
 from ...inside.wire import COMMAND, MAX_JOINTS
+from .compile_source import ANY_STEP
 
 OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"t": 0, "dt": 0, "error": 3, "error_px": 2, "target_visible": 0, "target_age": 0},
@@ -39,8 +40,6 @@ ARM = "arm"  # an output with the speeds of an arm's joints
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 FUNCTION = r"\bvoid\s+{name}\s*\(\s*void\s*\)"
 STEP = re.compile(FUNCTION.format(name=r"(\w+)_step"))
-OURS = re.compile(r"\bseamark_(step|tracker_start|tracker_update|detect)\b")
-ANY_STEP = re.compile(r"\bvoid\s+(\w+)_step\s*\(")
 BODY = r"struct\s*\w*\s*\{{([^{{}}]*)\}}\s*({type}\w*)\s*;"
 TAGGED = r"struct\s+({type}\w*?)_?\s*\{{([^{{}}]*)\}}\s*;"
 FIELD = re.compile(r"(\w+)\s+(\w+)\s*(?:\[\s*(\d+)\s*\])?\s*;")
@@ -60,11 +59,6 @@ class Port(NamedTuple):
     access: str  # the expression in C
     name: str
     size: int  # 0 for a scalar
-
-
-def looks_generated(text: str) -> bool:
-    """Return whether this may be the code of a model: it has a step function, and none of ours."""
-    return OURS.search(text) is None and ANY_STEP.search(text) is not None
 
 
 def adapter(text: str, headers: Iterable[str]) -> str:

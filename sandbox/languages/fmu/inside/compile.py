@@ -47,7 +47,7 @@ def with_library(
         if member.startswith("sources/"):
             archive.extract(member, FOLDER)
     library = FOLDER / "compiled.so"
-    run(connection, [*command, "-o", str(library), "-lm"], name, folder=FOLDER)
+    run(connection, [*command, "-o", str(library), "-lm"], name, folder=str(FOLDER))
     compiled = io.BytesIO()
     with zipfile.ZipFile(compiled, "w") as whole:
         for member in archive.namelist():

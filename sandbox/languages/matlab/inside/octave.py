@@ -4,16 +4,15 @@ Becomes Octave, which runs runner.m; that starts the relay (relay.py) with two p
 input and output. The main process of the box is Octave itself, so that its exit is the program's,
 and what the program prints is not mixed with answers.
 
-Arguments: `--`, then those of `connected`.
+Arguments: `--`, then those of `connected`. Each import is part of every start: hence so few.
 """
 
 import os
 import sys
-from pathlib import Path
 
 from ...inside.connection import connected
 
-FOLDER = Path("/tmp/program")  # noqa: S108  (inside the box)
+FOLDER = "/tmp/program"  # noqa: S108  (inside the box)
 # The file of a program of one text: it exists from the start, so that Octave has it in its cache.
 PROGRAM_FILE = "seamark_program.m"
 OCTAVE = (
@@ -28,6 +27,6 @@ def main() -> None:
     connection = connected(sys.orig_argv[split + 1 :], inherited=True, images=True)
     relay = [word.replace(".octave import", ".relay import") for word in sys.orig_argv[:split]]
     relay += ["--", str(connection.descriptor), "0", "0"]
-    FOLDER.mkdir()
-    (FOLDER / PROGRAM_FILE).touch()
+    os.mkdir(FOLDER)
+    os.close(os.open(f"{FOLDER}/{PROGRAM_FILE}", os.O_WRONLY | os.O_CREAT, 0o666))
     os.execve(OCTAVE[0], [*OCTAVE, *relay], dict(os.environ))  # noqa: S606

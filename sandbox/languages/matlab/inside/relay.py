@@ -13,15 +13,12 @@ Octave answers with five float64: a command, of which the speeds of an arm's joi
 error with the sizes of its two texts; or the number of float64 that follow: corners or detections.
 """
 
-import io
 import json
 import mmap
 import os
 import re
 import struct
 import sys
-import zipfile
-from typing import Any, NoReturn
 
 from ...inside.connection import Connection, connected
 from ...inside.wire import (
@@ -35,6 +32,10 @@ from ...inside.wire import (
 )
 from .octave import FOLDER, PROGRAM_FILE
 
+TYPE_CHECKING = False  # `typing` takes a millisecond of every start
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
 ZIP_MAGIC = b"PK\x03\x04"
 MAINS = ("controller.m", "tracker.m", "detector.m")  # the first that is there is the program
 NUMBER = struct.Struct("<d")
@@ -46,7 +47,7 @@ MAX_ANSWER_FLOATS = MAX_DETECTIONS * (CORNERS + 2 + MAX_LABEL_BYTES)
 NAME = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)  # a valid name of a field
 
 
-def relay(connection: Connection) -> NoReturn:
+def relay(connection: Connection) -> "NoReturn":
     """Relay requests and answers until the end."""
     connection.send(b"k")
     header, source = connection.program()
@@ -77,7 +78,7 @@ def relay(connection: Connection) -> NoReturn:
         _relay_answer(connection, joints)
 
 
-def _mapped(connection: Connection, header: dict[str, Any]) -> mmap.mmap | None:
+def _mapped(connection: Connection, header: "dict[str, Any]") -> mmap.mmap | None:
     """Return the memory of the images; None for a program that gets none."""
     description = header.get("images")
     if description is None:
@@ -123,15 +124,24 @@ def _write_program(filename: str, source: bytes) -> tuple[str, str]:
     """
     main_file = PROGRAM_FILE
     if source.startswith(ZIP_MAGIC):
-        with zipfile.ZipFile(io.BytesIO(source)) as archive:
-            archive.extractall(FOLDER)
-        filename = main_file = next(main for main in MAINS if (FOLDER / main).is_file())
-        source = (FOLDER / main_file).read_bytes()
-    (FOLDER / main_file).write_bytes(b"1;\n" + source)
+        _extract(source)
+        filename = main_file = next(main for main in MAINS if os.path.isfile(f"{FOLDER}/{main}"))
+        with open(f"{FOLDER}/{main_file}", "rb") as file:
+            source = file.read()
+    with open(f"{FOLDER}/{main_file}", "wb") as file:
+        file.write(b"1;\n" + source)
     return filename, main_file
 
 
-def octave_setup(header: dict[str, Any], names: tuple[str, str], floats: int) -> str:
+def _extract(archive: bytes) -> None:
+    import io  # noqa: PLC0415
+    import zipfile  # noqa: PLC0415  (8 ms that a program of one file does not need)
+
+    with zipfile.ZipFile(io.BytesIO(archive)) as members:
+        members.extractall(FOLDER)
+
+
+def octave_setup(header: "dict[str, Any]", names: tuple[str, str], floats: int) -> str:
     """Return what runner.m needs to know, as text in its language."""
     layout = header["layout"]
     booleans = set(layout.get("booleans", ()))
