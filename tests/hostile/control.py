@@ -89,8 +89,10 @@ class Excess:
 def machines() -> Iterator[socket.socket]:
     """Yield where to ask for a copy of the machine (callers/init.py)."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    command = [sys.executable, "-I", "-S", str(CALLERS / "init.py")]
-    with subprocess.Popen(command, stdin=theirs), ours:
+    # Without buffers: what a program has printed is seen though a signal ends it.
+    command = [sys.executable, "-u", "-s", "-P", str(CALLERS / "init.py")]
+    environment = {"SEAMARK_SECRET_KEY": "do-not-tell", "OPENBLAS_NUM_THREADS": "1"}
+    with subprocess.Popen(command, stdin=theirs, env=os.environ | environment), ours:
         theirs.close()
         yield ours
 
@@ -157,9 +159,7 @@ def command_of(case: Case, attack: Path) -> list[str]:
     (attack / f"program{suffix}").write_bytes(first + case.source)
     if suffix == ".py":
         shutil.copy(CALLERS / "caller.py", attack)
-        # Without buffers: what a program has printed is seen though a signal ends it.
-        script = [sys.executable, "-u", "-s", "-P", "/attack/caller.py", "/attack/program.py"]
-        return [*script, json.dumps(case.config), role]
+        return ["/attack/caller.py", "/attack/program.py", json.dumps(case.config), role]
     if suffix == ".m":
         shutil.copy(CALLERS / "caller.m", attack)
         octave = "/usr/bin/octave-cli", "--norc", "--no-history", "--no-gui", "--no-line-editing"
