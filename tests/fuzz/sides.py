@@ -1,7 +1,8 @@
 """Both ends of the protocol, each with a peer that sends arbitrary packets.
 
 The simulator's end is the real `ProtocolSession` over a real socket; only the process tree is a
-fake, since a peer that may send anything needs no process. The runner is the real one, in a fork.
+fake, since a peer that may send anything needs no process. The runner is the real one, in a process
+of its own.
 """
 
 import contextlib
@@ -15,15 +16,14 @@ from collections.abc import Sequence
 from typing import Any, cast
 
 from seamark.sandbox.isolation.process_tree import ProcessTree
-from seamark.sandbox.languages.inside.connection import DISCONNECTED, Connection
+from seamark.sandbox.languages.inside.connection import DISCONNECTED
 from seamark.sandbox.languages.inside.wire import MAX_VALUE, SIZES
-from seamark.sandbox.languages.python.inside.runner import Runner
-from seamark.sandbox.languages.python.inside.values import Observation
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
 from seamark.sandbox.protocol import answers, messages
 from seamark.sandbox.protocol.messages import MessageInvalid
 from seamark.sandbox.protocol.session import ProtocolSession
+from tests.fuzz.runner_forks import NUMBER, forks
 
 LIMITS = Limits(step_wall_s=5.0, start_wall_s=5.0)
 SOON = struct.pack("@ll", 5, 0)
@@ -155,11 +155,10 @@ def loading(sequence: int = 1) -> list[bytes]:
 def runner(sent: Sequence[bytes]) -> tuple[int, list[bytes]]:
     """Send these packets to a runner and leave; return its exit code and the types it answered."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    pid = os.fork()
-    if pid == 0:
-        _become_runner(ours, theirs)
-    theirs.close()
-    pidfd = os.pidfd_open(pid)
+    process = forks()
+    with theirs:
+        socket.send_fds(process, [b"r"], [theirs.fileno()])
+    pid = _number(process)
     ours.setblocking(False)
     try:
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
@@ -167,26 +166,18 @@ def runner(sent: Sequence[bytes]) -> tuple[int, list[bytes]]:
                 ours.send(packet)
         with contextlib.suppress(OSError):
             ours.shutdown(socket.SHUT_WR)
-        if not select.select([pidfd], [], [], END_WITHIN_S)[0]:
-            os.kill(pid, signal.SIGKILL)
+        if not select.select([process], [], [], END_WITHIN_S)[0]:
+            os.kill(pid, signal.SIGKILL)  # nobody has waited for it: the number is still its own
+            _number(process)
             raise AssertionError(f"the runner hangs after {sent!r}")
-        return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), _types(ours)
+        return _number(process), _types(ours)
     finally:
-        os.close(pidfd)
         ours.close()
 
 
-def _become_runner(ours: socket.socket, theirs: socket.socket) -> None:
-    """Be the runner in this fork; never returns."""
-    try:
-        ours.close()
-        quiet = os.open("/dev/null", os.O_RDWR)
-        for number in (1, 2):
-            os.dup2(quiet, number)
-        Observation._fields.clear()
-        Runner(Connection(theirs.fileno())).run()
-    finally:
-        os._exit(99)
+def _number(process: socket.socket) -> int:
+    (number,) = NUMBER.unpack(process.recv(NUMBER.size))
+    return int(number)
 
 
 def _types(ours: socket.socket) -> list[bytes]:
