@@ -32,6 +32,7 @@ class SharedMeters:
         self._redis = redis
         self._added = _counted_here()
         self._process = secrets.token_hex(8)
+        self._listed = False
         self._lock = threading.Lock()
 
     def add(self) -> bool:
@@ -53,11 +54,13 @@ class SharedMeters:
     def report(self, open_streams: int) -> None:
         """Say that this web process is there. Raises RedisError."""
         entry = json.dumps([_now_s(self._redis), open_streams])
+        self._listed = True
         self._redis.hset(REPORTED, self._process, entry)
 
     def leave(self) -> None:
-        """Take this web process off the list. Raises RedisError."""
-        self._redis.hdel(REPORTED, self._process)
+        """Take this web process off the list if it is there. Raises RedisError."""
+        if self._listed:
+            self._redis.hdel(REPORTED, self._process)
 
 
 def collected(redis: "Redis") -> list[Metric]:

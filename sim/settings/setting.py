@@ -115,7 +115,7 @@ def override(
 def schema_extras(field: FieldInfo) -> dict[str, Any]:
     """Return the keywords of a setting that pydantic does not know, such as x-group."""
     extras = field.json_schema_extra
-    return dict(extras) if isinstance(extras, Mapping) else {}
+    return dict(extras) if isinstance(extras, dict) else {}
 
 
 def group_of(field: FieldInfo) -> str:
