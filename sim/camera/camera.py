@@ -1,6 +1,6 @@
 """The camera: an image is a pure function of pose, water, noise seed and frame number."""
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,9 +93,9 @@ class Camera:
         )
         self._images = np.empty((len(self._points), 2))
         self._scene = self._build_scene()
-        self._grain = sensor_noise(water, noise_seed, optics.width)
+        self._noise_seed = noise_seed
         self._effect_parameters = (
-            effect_parameters(self.effects, self._grain.seed) if self.effects.any else None
+            effect_parameters(self.effects, noise_seed) if self.effects.any else None
         )
         self._buffers = buffers_for(optics.width)
         self._channels = {GREEN: self._build_channel(GREEN)}
@@ -105,6 +105,11 @@ class Camera:
         self._motion = np.zeros(12)
         self._render = SameTypes(raycast.draw)
         self._render_effects = SameTypes(raycast_effects.draw)
+
+    @cached_property
+    def _grain(self) -> SensorNoise:
+        """Its noise, which takes two milliseconds: many cameras are asked for corners alone."""
+        return sensor_noise(self.water, self._noise_seed, self.optics.width)
 
     def at(self, motion: NDArray[np.float64], frame: int) -> NDArray[np.float64]:
         """Return the pose that the other methods take: with all that moves beside the vehicle.

@@ -1,6 +1,6 @@
 """A camera on a link of a mechanism: it looks anywhere and sees the bodies of other links."""
 
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from seamark.sim.camera.instant import Mount, Stage, Tones, axes_of, instant_at
 from seamark.sim.camera.link_raycast import Memory
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.rows import interleave
-from seamark.sim.camera.scene import Channel, Scene, buffers_for
+from seamark.sim.camera.scene import Channel, Scene, SensorNoise, buffers_for
 from seamark.sim.camera.seabed import SEABED_SEED, seabed, texels
 from seamark.sim.camera.visibility import mark_shown
 from seamark.sim.camera.water import Water
@@ -90,8 +90,8 @@ class LinkCamera:
             camera=self._mounted(mount),
             lamp=self._mounted(lamp or lamp_beside(mount)),
         )
-        self._grain = sensor_noise(water, noise_seed, optics.width)
-        self._effects = effect_parameters(self.effects, self._grain.seed)
+        self._noise_seed = noise_seed
+        self._effects = effect_parameters(self.effects, noise_seed)
         self._memory = Memory(buffers_for(optics.width), layers_for(optics.width))
         self._channels: dict[int, Tones] = {}
         self._whole = (0, 0, optics.width, optics.height)
@@ -99,6 +99,11 @@ class LinkCamera:
         count = len(bodies.links)
         self._placed = np.zeros((count, 3, 3)), np.zeros((count, 3)), np.zeros((count, 6))
         self._render = SameTypes(link_effects.draw if self.effects.any else link_raycast.draw)
+
+    @cached_property
+    def _grain(self) -> SensorNoise:
+        """Its noise, which takes two milliseconds: many cameras are asked for corners alone."""
+        return sensor_noise(self.water, self._noise_seed, self.optics.width)
 
     def region(self, placed: Placed, frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's canvas (H, W), rendered only inside the window x0, y0, x1, y1.

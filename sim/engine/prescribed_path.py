@@ -7,8 +7,12 @@ so that no two levels have the same path and none can be learnt.
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import PI, sincos
+
+Array = NDArray[np.float64]
 
 SHARES = (0.65, 0.35)  # of the amplitude: slow and fast sinusoid; E
 PERIODS = (1.0, 0.41)  # of the nominal period; E: far from a ratio of small integers
@@ -36,10 +40,9 @@ class PrescribedPath:
         drift : (6,) [m/s, rad/s]
             Rate at which the centre moves, world frame.
         """
-        self._centre = [float(value) for value in centre]
-        self._drift = [float(value) for value in drift]
+        self._line = np.array([centre, drift], dtype=np.float64)
         draws = random.random((6, 2, 2)).tolist()
-        self._waves = [
+        waves = [
             [
                 (
                     amplitude * share,
@@ -50,38 +53,45 @@ class PrescribedPath:
             ]
             for amplitude, pair in zip(amplitudes, draws, strict=True)
         ]
+        self._waves = np.array(waves, dtype=np.float64)
 
     def pose_and_velocity(self, t: float) -> tuple[list[float], list[float]]:
         """Return the pose (6) [m, rad], world frame, and the velocity (6) [m/s, rad/s], body frame.
 
         Formulas: Fossen 2021, sections 2.2.1 (rotation) and 2.2.2 (rates of the Euler angles).
         """
-        pose = [c + d * t for c, d in zip(self._centre, self._drift, strict=True)]
-        rate = list(self._drift)
-        for i, waves in enumerate(self._waves):
-            for amplitude, frequency, phase in waves:
-                s, c = sincos(frequency * t + phase)
-                pose[i] += amplitude * s
-                rate[i] += amplitude * frequency * c
-        return pose, _body_velocity(pose, rate)
+        both = np.empty((2, 6))
+        _follow(self._line, self._waves, float(t), both)
+        pose, velocity = both.tolist()
+        return pose, velocity
 
 
 def _between(low: float, high: float, share: float) -> float:
     return low + (high - low) * share
 
 
-def _body_velocity(pose: Sequence[float], rate: Sequence[float]) -> list[float]:
-    """Return the body-frame velocity for a pose and its rate of change."""
-    (sr, cr), (sp, cp), (sy, cy) = (sincos(angle) for angle in pose[3:])
-    x, y, z, roll, pitch, yaw = rate
+@njit(cache=True, nogil=True, error_model="numpy")
+def _follow(line: Array, waves: Array, t: float, out: Array) -> None:
+    """Write the pose and the body-frame velocity, (2, 6), at a time."""
+    pose, velocity = out[0], out[1]
+    rate = line[1].copy()
+    for i in range(6):
+        pose[i] = line[0, i] + line[1, i] * t
+        for j in range(waves.shape[1]):
+            amplitude, frequency, phase = waves[i, j, 0], waves[i, j, 1], waves[i, j, 2]
+            s, c = sincos(frequency * t + phase)
+            pose[i] += amplitude * s
+            rate[i] += amplitude * frequency * c
+    sr, cr = sincos(pose[3])
+    sp, cp = sincos(pose[4])
+    sy, cy = sincos(pose[5])
+    x, y, z, roll, pitch, yaw = rate[0], rate[1], rate[2], rate[3], rate[4], rate[5]
     forward = cy * x + sy * y
     starboard = cy * y - sy * x
     down = sp * forward + cp * z
-    return [
-        cp * forward - sp * z,
-        cr * starboard + sr * down,
-        cr * down - sr * starboard,
-        roll - sp * yaw,
-        cr * pitch + sr * cp * yaw,
-        cr * cp * yaw - sr * pitch,
-    ]
+    velocity[0] = cp * forward - sp * z
+    velocity[1] = cr * starboard + sr * down
+    velocity[2] = cr * down - sr * starboard
+    velocity[3] = roll - sp * yaw
+    velocity[4] = cr * pitch + sr * cp * yaw
+    velocity[5] = cr * cp * yaw - sr * pitch
