@@ -12,11 +12,11 @@ from seamark.sim.control.observation import Observation, arm_size
 from seamark.sim.engine.program import Command
 
 
-def over_trials(few: Sequence[int], every: Sequence[int]) -> pytest.MarkDecorator:
+def over_trials(few: object, every: object) -> pytest.MarkDecorator:
     """Give a test `trials`: a few in each run of the suite, and the statistics as a long test."""
     parameters = [
-        pytest.param(tuple(few), id="few"),
-        pytest.param(tuple(every), id="every", marks=pytest.mark.long),
+        pytest.param(few, id="few"),
+        pytest.param(every, id="every", marks=pytest.mark.long),
     ]
     return pytest.mark.parametrize("trials", parameters)
 

@@ -36,7 +36,11 @@ def test_all_entries_of_all_versions_are_shipped(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "entry"),
-    [("visibility-v3", "nothing"), ("visibility-v2", "nothing"), ("currents-v2", "nothing")],
+    [
+        ("visibility-v3", "nothing"),
+        ("visibility-v2", "nothing"),
+        pytest.param("currents-v2", "nothing", marks=pytest.mark.long),
+    ],
 )
 def test_the_simulator_computes_the_shipped_score_to_the_bit(name: str, entry: str) -> None:
     shipped = reference_results.of_benchmark(benchmark(name))[entry]

@@ -1,6 +1,6 @@
 """Programs that do not plug the connector with a hand stay at the bottom of connect-v1."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -32,6 +32,7 @@ pytestmark = pytest.mark.slow
 CONFIG = ConnectConfiguration.read(
     {"levels": [0.1], "clearance_least_m": 0.008, "tracker": "truth"}
 )
+SHORT = CONFIG.model_copy(update={"level_duration_s": 40.0})  # by then it has entered
 SEED = 2026
 CREDIT = {stage.name: stage.credit for stage in STAGES}
 WEIGHT_N = 12.0  # of most connectors in water: a cheat that does less was no try
@@ -144,26 +145,25 @@ class Attempt:
     rows: NDArray[np.float64]
 
 
-def rows_of(driver: Driver, trial: int = 0, *, seed: int = SEED) -> NDArray[np.float64]:
+def rows_of(
+    driver: Driver, trial: int, settings: ConnectConfiguration, *, seed: int = SEED
+) -> NDArray[np.float64]:
     """Return the rows of a level."""
-    return attempts.rows_of(EXPERIMENT, CONFIG, driver, seed=seed, trial=trial)
+    return attempts.rows_of(EXPERIMENT, settings, driver, seed=seed, trial=trial)
 
 
 @cache  # several tests compare with the same
-def attempt_of(kind: Callable[[Any], Any], trial: int) -> Attempt:
-    program = kind(CONFIG.for_program())
-    driver = Driver(program, CONFIG)
-    return Attempt(program, driver, rows_of(driver, trial))
-
-
-def attempts_of(kind: Callable[[Any], Any], numbers: Iterable[int]) -> list[NDArray[np.float64]]:
-    """Return the rows of a level of each trial."""
-    return [attempt_of(kind, trial).rows for trial in numbers]
+def attempt_of(
+    kind: Callable[[Any], Any], trial: int, settings: ConnectConfiguration = CONFIG
+) -> Attempt:
+    program = kind(settings.for_program())
+    driver = Driver(program, settings)
+    return Attempt(program, driver, rows_of(driver, trial, settings))
 
 
 def played_back(of: Attempt, trial: int, *, seed: int = SEED) -> float:
     """Return the credit of the same commands at another time."""
-    return credit(rows_of(Driver(Playback(of.driver.commands), CONFIG), trial, seed=seed))
+    return credit(rows_of(Driver(Playback(of.driver.commands), CONFIG), trial, CONFIG, seed=seed))
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -174,23 +174,35 @@ def most(rows: NDArray[np.float64], name: str) -> float:
     return float(rows[:, {**INDEX, **WORK_INDEX}[name]].max())
 
 
-ONE_TRIAL = over_trials(few=(0,), every=(0, 1, 2))
-Trials = tuple[int, ...]
+@dataclass(frozen=True)
+class Trials:
+    """Some trials, of some settings."""
+
+    numbers: tuple[int, ...]
+    settings: ConnectConfiguration = CONFIG
+
+    def rows(self, kind: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+        """Return the rows of a level of each trial."""
+        return [attempt_of(kind, trial, self.settings).rows for trial in self.numbers]
 
 
-@ONE_TRIAL
+ONE_TRIAL = over_trials(few=Trials((0,)), every=Trials((0, 1, 2)))
+SHORT_TRIAL = over_trials(few=Trials((0,), SHORT), every=Trials((0, 1, 2)))
+
+
+@SHORT_TRIAL
 def test_a_connector_that_is_bulldozed_gives_no_more_than_a_touch(trials: Trials) -> None:
-    tries = attempts_of(Bulldozer, trials)
+    tries = trials.rows(Bulldozer)
 
     assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
     assert max(map(credit, tries)) <= CREDIT["touched"]
 
 
-@ONE_TRIAL
+@SHORT_TRIAL
 def test_a_vehicle_that_is_dropped_on_the_connector_gives_no_more_than_a_touch(
     trials: Trials,
 ) -> None:
-    tries = attempts_of(Dropper, trials)
+    tries = trials.rows(Dropper)
 
     assert min(Connection(rows, CONFIG.control_period_s).strikes for rows in tries) > 0
     assert max(map(credit, tries)) <= CREDIT["touched"]
@@ -198,17 +210,17 @@ def test_a_vehicle_that_is_dropped_on_the_connector_gives_no_more_than_a_touch(
 
 @ONE_TRIAL
 def test_a_closed_hand_that_presses_on_it_gives_no_more_than_a_touch(trials: Trials) -> None:
-    tries = attempts_of(Presser, trials)
+    tries = trials.rows(Presser)
 
     assert max(most(rows, "work_push_n") for rows in tries) > WEIGHT_N
     assert max(map(credit, tries)) <= CREDIT["touched"]
 
 
-@ONE_TRIAL
+@SHORT_TRIAL
 def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more(
     trials: Trials,
 ) -> None:
-    tries = attempts_of(Thrower, trials)
+    tries = trials.rows(Thrower)
     fallen = [Connection(rows, CONFIG.control_period_s) for rows in tries]
 
     assert max(map(credit, tries)) == CREDIT["unparked"]
@@ -219,20 +231,20 @@ def test_one_that_is_dropped_from_above_the_receptacle_was_taken_and_no_more(
 
 @ONE_TRIAL
 def test_one_that_is_let_go_at_the_mouth_and_pressed_down_was_not_inserted(trials: Trials) -> None:
-    tries = attempts_of(DropAndPress, trials)
+    tries = trials.rows(DropAndPress)
     pressed = [Connection(rows, CONFIG.control_period_s) for rows in tries]
 
     assert max(float(one.depth_m.max()) for one in pressed) > 0.05
     assert max(map(credit, tries)) == CREDIT["entered"]
 
 
-@ONE_TRIAL
+@SHORT_TRIAL
 def test_who_flies_by_the_dvl_alone_does_not_take_the_connector(trials: Trials) -> None:
-    assert max(map(credit, attempts_of(ByDvl, trials))) <= CREDIT["touched"]
+    assert max(map(credit, trials.rows(ByDvl))) <= CREDIT["touched"]
 
 
 def test_holding_still_gives_nothing() -> None:
-    rows = rows_of(Driver(Still(), CONFIG))
+    rows = rows_of(Driver(Still(), SHORT), 0, SHORT)
 
     assert credit(rows) == 0.0
     assert most(rows, "contact_n") == 0.0
@@ -244,15 +256,15 @@ def test_commands_that_plugged_a_connector_once_plug_it_again_but_no_other(trial
     assert credit(honest.rows) == CREDIT["completed"]
     assert played_back(honest, 0) == CREDIT["completed"]
 
-    fresh = sorted(played_back(honest, trial, seed=SEED + 1) for trial in trials)
+    fresh = sorted(played_back(honest, trial, seed=SEED + 1) for trial in trials.numbers)
 
     assert fresh[len(fresh) // 2] <= CREDIT["touched"]
     assert fresh[-1] <= CREDIT["unparked"]
 
 
-@over_trials(few=(0,), every=range(6))
+@over_trials(few=Trials((0,)), every=Trials(tuple(range(6))))
 def test_who_stops_looking_plugs_less_than_who_looks_on(trials: Trials) -> None:
-    blind, seeing = (sum(map(credit, attempts_of(entry, trials))) for entry in (Blind, Watched))
+    blind, seeing = (sum(map(credit, trials.rows(entry))) for entry in (Blind, Watched))
 
     assert blind < 0.5 * seeing
 

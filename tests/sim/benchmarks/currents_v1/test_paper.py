@@ -13,6 +13,7 @@ from seamark.sim.recording.telemetry import INDEX, Rows
 
 pytestmark = pytest.mark.slow
 SPEEDS = (0.0, 0.1, 0.2, 0.3, 0.4)
+SOME = {"levels": [0.0, 0.2, 0.4]}
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +79,7 @@ def test_an_observer_in_the_velocity_loop_keeps_station_within_centimetres(
 ) -> None:
     result = _on_the_realistic_vehicle(currents, "pi", velocity_observer_1_s=1.5)
 
-    assert [level["rmse_m"] < 0.06 for level in result.levels] == [True] * 5
+    assert [level["rmse_m"] < 0.06 for level in result.levels] == [True] * 3
     assert result.trial_score.level_held == 0.4
 
 
@@ -96,6 +97,6 @@ def test_in_a_head_current_p_has_a_steady_state_error_and_pi_has_none(currents: 
 def _on_the_realistic_vehicle(
     currents: Benchmark, controller: str, **settings: object
 ) -> TrialResult:
-    config = currents.read(settings)
+    config = currents.read(SOME | settings)
     program = BuiltIn(controller, config)
     return run_trial("currents-v1", config, program, seed=1, trial=0, on_rows=lambda _rows: None)

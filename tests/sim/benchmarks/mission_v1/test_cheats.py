@@ -20,6 +20,7 @@ pytestmark = pytest.mark.slow
 SEED = 2026
 RECOGNISED = STAGES[1].credit
 READS = 3  # a near trial in which the wrong box comes first
+WRONG_IS_NEAR = 8  # a near trial in which who looks for the wrong box finds it in time
 
 
 class Stay(Chain):
@@ -85,9 +86,9 @@ class Attempts:
         return [attempt_of(kind, config, trial)[1] for trial in self.trials]
 
 
-def near(*trials: int) -> Attempts:
-    """Return trials in which a minute is enough."""
-    return Attempts(trials, start_offset_m=2.0, told_error_m=0.5, level_duration_s=60.0)
+def near(*trials: int, for_s: float = 60.0) -> Attempts:
+    """Return trials in which a minute is enough, or 45 s to have lifted the right box."""
+    return Attempts(trials, start_offset_m=2.0, told_error_m=0.5, level_duration_s=for_s)
 
 
 def over(few: Attempts, every: Sequence[int]) -> pytest.MarkDecorator:
@@ -109,17 +110,17 @@ def test_the_chain_brings_the_right_box_in_most_trials(missions: Attempts) -> No
     assert not any(one["wrong"] for one in done)
 
 
-@over(near(0), every=range(4))
+@over(near(0, for_s=45.0), every=range(4))
 def test_who_only_goes_where_it_is_told_gets_no_more_than_a_hold(missions: Attempts) -> None:
     assert max(one["credit"] for one in missions.of(Stay)) <= RECOGNISED
 
 
-@over(near(0), every=range(4))
+@over(near(0, for_s=45.0), every=range(4))
 def test_a_lawnmower_finds_the_box_and_no_more(missions: Attempts) -> None:
     assert max(one["credit"] for one in missions.of(Lawnmower)) <= RECOGNISED
 
 
-@over(near(READS), every=range(6))
+@over(near(READS, for_s=45.0), every=range(6))
 def test_who_does_not_read_takes_the_wrong_box_now_and_then_and_pays_for_it(
     missions: Attempts,
 ) -> None:
@@ -130,7 +131,7 @@ def test_who_does_not_read_takes_the_wrong_box_now_and_then_and_pays_for_it(
     assert all(one["credit"] <= STAGES[-1].credit - WRONG for one in wrong)
 
 
-@over(Attempts([0]), every=range(4))  # a minute is too short to find the wrong box
+@over(near(WRONG_IS_NEAR), every=range(4))
 def test_who_takes_the_wrong_box_on_purpose_has_less_than_nothing(missions: Attempts) -> None:
     contrary = missions.of(Contrary, least_confidence=0.0)
 
@@ -146,15 +147,13 @@ def test_a_box_that_is_let_go_on_the_way_is_not_brought(missions: Attempts) -> N
     assert not any(one["completed"] for one in thrown)
 
 
-@over(near(1), every=[1, 2, 3])
+@over(near(READS, 1), every=range(4))
 def test_commands_that_did_a_mission_once_do_no_other(missions: Attempts) -> None:
-    config = missions.config()
-    honest, done = attempt_of(Chain, config, 0)
+    config, (first, *fresh) = missions.config(), missions.trials
+    honest, done = attempt_of(Chain, config, first)
     assert done["completed"]
 
-    others = [
-        metrics(config, Playback(honest.commands), trial)["credit"] for trial in missions.trials
-    ]
+    others = [metrics(config, Playback(honest.commands), trial)["credit"] for trial in fresh]
 
     assert max(others) <= RECOGNISED
 

@@ -20,7 +20,7 @@ from seamark.sim.metrics.valve_turning import GOALS_DEG, STAGES
 from seamark.sim.numerics.libm import sincos
 from seamark.sim.recording.telemetry import INDEX, WORK_INDEX
 from tests.sim.benchmarks import attempts
-from tests.sim.benchmarks.attempts import Driver, Playback, Still
+from tests.sim.benchmarks.attempts import Driver, Playback, Still, over_trials
 
 pytestmark = pytest.mark.slow
 # The weakest valve there is, which turns most easily.
@@ -29,7 +29,8 @@ CONFIG = ValveConfiguration.read(
 )
 SEED = 2026
 TOUCHED = STAGES[1].credit
-TRIALS = (0, 2, 3)
+EVERY = (0, 2, 3)
+Trials = tuple[int, ...]
 
 
 class HullSpinner(Scripted):
@@ -112,9 +113,9 @@ def attempt_of(kind: Callable[[Any], Any], trial: int) -> tuple[Driver, NDArray[
     return driver, rows_of(driver, trial)
 
 
-def attempts_of(kind: Callable[[Any], Any]) -> list[NDArray[np.float64]]:
+def attempts_of(kind: Callable[[Any], Any], trials: Trials) -> list[NDArray[np.float64]]:
     """Return the rows of a level of each trial."""
-    return [attempt_of(kind, trial)[1] for trial in TRIALS]
+    return [attempt_of(kind, trial)[1] for trial in trials]
 
 
 def credit(rows: NDArray[np.float64]) -> float:
@@ -126,8 +127,9 @@ def turned_deg(rows: NDArray[np.float64]) -> float:
     return float(np.degrees(rows[:, WORK_INDEX["workpiece_joint"]].max()))
 
 
-def test_turns_by_the_hull_do_not_count() -> None:
-    tries = attempts_of(HullSpinner)
+@over_trials(few=(0,), every=EVERY)
+def test_turns_by_the_hull_do_not_count(trials: Trials) -> None:
+    tries = attempts_of(HullSpinner, trials)
     hull = [rows[:, WORK_INDEX["work_hull_n"]].max() for rows in tries]
 
     assert max(hull) > 0.0
@@ -135,8 +137,9 @@ def test_turns_by_the_hull_do_not_count() -> None:
     assert max(map(credit, tries)) <= TOUCHED
 
 
-def test_a_vehicle_that_is_dropped_on_the_handle_turns_it_for_nothing() -> None:
-    tries = attempts_of(Dropper)
+@over_trials(few=(2,), every=EVERY)
+def test_a_vehicle_that_is_dropped_on_the_handle_turns_it_for_nothing(trials: Trials) -> None:
+    tries = attempts_of(Dropper, trials)
     pushes = [rows[:, WORK_INDEX["work_push_n"]].max() for rows in tries]
 
     assert min(pushes) > STRIKE_N
@@ -144,15 +147,17 @@ def test_a_vehicle_that_is_dropped_on_the_handle_turns_it_for_nothing() -> None:
     assert max(map(credit, tries)) <= TOUCHED
 
 
-def test_a_lever_that_is_flicked_aside_gives_no_more_than_a_touch() -> None:
-    tries = attempts_of(Flicker)
+@over_trials(few=(0,), every=EVERY)
+def test_a_lever_that_is_flicked_aside_gives_no_more_than_a_touch(trials: Trials) -> None:
+    tries = attempts_of(Flicker, trials)
 
     assert min(map(turned_deg, tries)) > GOALS_DEG[0]
     assert max(map(credit, tries)) <= TOUCHED
 
 
-def test_who_flies_by_the_dvl_alone_does_not_find_the_handle() -> None:
-    assert max(map(credit, attempts_of(ByDvl))) <= TOUCHED
+@over_trials(few=(0,), every=EVERY)
+def test_who_flies_by_the_dvl_alone_does_not_find_the_handle(trials: Trials) -> None:
+    assert max(map(credit, attempts_of(ByDvl, trials))) <= TOUCHED
 
 
 def test_holding_still_gives_nothing() -> None:
@@ -162,18 +167,20 @@ def test_holding_still_gives_nothing() -> None:
     assert rows[:, INDEX["contact_n"]].max() == 0.0
 
 
-def test_commands_that_turned_the_valve_once_turn_it_again_but_no_other() -> None:
-    honest, rows = attempt_of(Scripted, 2)
+@over_trials(few=(0,), every=EVERY)
+def test_commands_that_turned_the_valve_once_turn_it_again_but_no_other(trials: Trials) -> None:
+    honest, rows = attempt_of(Scripted, 0)
 
     def again(trial: int, seed: int = SEED) -> float:
         return credit(rows_of(Driver(Playback(honest.commands), CONFIG), trial, seed=seed))
 
     assert credit(rows) == STAGES[-1].credit
-    assert again(2) == STAGES[-1].credit
-    assert max(again(trial, SEED + 1) for trial in TRIALS) <= TOUCHED
+    assert again(0) == STAGES[-1].credit
+    assert max(again(trial, SEED + 1) for trial in trials) <= TOUCHED
 
 
-def test_who_stops_looking_turns_less_than_who_looks_on() -> None:
-    blind, seeing = (sum(map(credit, attempts_of(entry))) for entry in (Blind, Scripted))
+@over_trials(few=(0,), every=EVERY)
+def test_who_stops_looking_turns_less_than_who_looks_on(trials: Trials) -> None:
+    blind, seeing = (sum(map(credit, attempts_of(entry, trials))) for entry in (Blind, Scripted))
 
     assert blind < 0.5 * seeing
