@@ -112,22 +112,24 @@ def test_the_episodes_of_a_seed_are_the_run_with_that_seed(gym_id: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("gym_id", INTERVENTIONS)
 def test_the_sparse_rewards_of_a_level_add_up_to_its_credit(gym_id: str) -> None:
+    settings = settings_of(gym_id, WHOLE)
     entry = registry.benchmark(INTERVENTIONS[gym_id])
-    config: Any = entry.read(settings_of(gym_id, WHOLE))
-    solution = entry.load().built_in(expert_of(gym_id), config)
-    run = run_trial(entry.name, config, solution, seed=5, trial=0, on_rows=lambda _: None)
-    credit = run.levels[0]["credit"]
+    config: Any = entry.read(settings)
 
     taken = [
-        *steps(
-            env_of(gym_id, settings=settings_of(gym_id, WHOLE), reward="sparse"),
-            gym_id,
-            settings_of(gym_id, WHOLE),
-            5,
+        (row.copy(), reward, info)
+        for row, _, reward, info in steps(
+            env_of(gym_id, settings=settings, reward="sparse"), gym_id, settings, 5
         )
     ]
 
-    rewards, (*_, last) = [reward for _, _, reward, _ in taken], taken[-1]
+    # Its rows are those of the run with that seed, as the test above shows.
+    rows, rewards, (*_, last) = (
+        np.array([row for row, *_ in taken]),
+        [one[1] for one in taken],
+        taken[-1],
+    )
+    credit = entry.load().metrics(config.for_trial(0), 0, rows)["credit"]
     assert credit > 0.2
     assert sum(rewards) == pytest.approx(credit, abs=1e-12)
     assert last["credit"] == credit

@@ -319,7 +319,7 @@ DISTURBED = [camera(crowd(), Water.of_type("3C"), effects=effects) for effects i
     size=st.tuples(st.integers(1, 330), st.integers(1, 250)),
     twist=st.tuples(*[st.floats(-0.5, 0.5)] * 18),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_region_has_the_bytes_of_the_whole_image(
     number: int,
     sight: str,

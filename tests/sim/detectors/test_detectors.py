@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from seamark.sim.detectors import MOST, Detection, declaration, make, option_errors, option_names
-from seamark.sim.detectors.template.library import STORED, painted
+from seamark.sim.detectors.template.library import (
+    STORED,
+    _seen,
+    library,
+    painted,
+    painted_tile,
+)
 from seamark.sim.registry import DETECTORS, REFERENCE_DETECTORS
 from seamark.sim.settings.detector import DetectorSettings
 from seamark.sim.vehicles.patterns import CLASSES, MARKERS
@@ -153,9 +159,23 @@ def test_the_oldest_processor_gives_the_same_bytes(names: Sequence[str]) -> None
     assert printed(PROGRAM, oldest, arguments=names).strip() == digest(names)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_stored_looks_are_those_that_the_painter_paints() -> None:
     assert np.array_equal(np.load(STORED), painted())
+
+
+def test_what_the_painter_paints_is_like_the_stored_looks_of_its_kind_alone() -> None:
+    tile, places = painted_tile(np.random.Generator(np.random.PCG64(1)), "sand")
+    stored = library()
+
+    def likeness(kind: int, of: int) -> float:
+        north, east, length, _ = places[of]
+        looks = stored.patches[stored.kinds == kind]
+        return float((looks @ _seen(tile, north, east, length)[0]).max())
+
+    kinds = range(len(places))
+    assert np.mean([likeness(kind, kind) for kind in kinds]) > 0.75
+    assert np.mean([likeness(kind, kind - 1) for kind in kinds]) < 0.5
 
 
 @pytest.mark.parametrize("name", DETECTORS)

@@ -1,6 +1,7 @@
 """Detectors of lettered boxes: what they find, whether they can read, and the same everywhere."""
 
 import hashlib
+from itertools import product
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from tests.sim.detectors.test_detectors import said
 from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 NEAR, MIDDLE, FAR = 0.9, 1.6, 2.4  # [m] from camera to face
+PAIRS, LONG = {(NEAR, 1.5), (MIDDLE, 0.5), (FAR, 2.5)}, pytest.mark.long
 
 PROGRAM = """
 from tests.sim.detectors.test_faces import digest
@@ -41,8 +43,13 @@ def views(
     return [look(random, distance_m, optical_depth, right=right) for _ in range(number)]
 
 
-@pytest.mark.parametrize("distance_m", [NEAR, MIDDLE, FAR])
-@pytest.mark.parametrize("optical_depth", [0.5, 1.5, 2.5])
+@pytest.mark.parametrize(
+    ("distance_m", "optical_depth"),
+    [  # each distance and each water once; the other pairs with the long tests
+        pytest.param(distance_m, depth, marks=() if (distance_m, depth) in PAIRS else LONG)
+        for distance_m, depth in product([NEAR, MIDDLE, FAR], [0.5, 1.5, 2.5])
+    ],
+)
 def test_right_boxes_are_trusted_and_others_are_not(
     distance_m: float, optical_depth: float
 ) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -300,6 +300,7 @@ quadrilaterals = st.lists(st.tuples(numbers, numbers), min_size=4, max_size=4)
         max_size=16,
     ),
 )
+@settings(max_examples=50)
 def test_whatever_the_answers_are_the_row_is_complete(
     answers: list[Answered], things: list[tuple[float, float, float]]
 ) -> None:

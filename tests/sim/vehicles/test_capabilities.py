@@ -58,7 +58,7 @@ PLACED = some.lists(
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=25)
 @given(placed=PLACED, signs=some.integers(0, 2**30))
 def test_any_thrusters_are_as_strong_as_the_linear_programme_says(
     placed: list[list[float]], signs: int
