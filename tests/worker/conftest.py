@@ -41,7 +41,8 @@ class Controller:
         return [self.kp * observation.error[0], self.kp * observation.error[1], 0.0, 0.0]
 """
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
-QUICK = {"lease_s": 3.0, "workers": 1}
+# No box waits: three processes would start one for each runtime, which few tests need.
+QUICK = {"lease_s": 3.0, "workers": 1, "warm_boxes": 0}
 WorkerProcess = ForkedWorker | subprocess.Popen[bytes]
 POLL_S = 0.1  # each look at a run or at all processes takes CPU from what it waits for
 

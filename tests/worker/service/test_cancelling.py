@@ -39,7 +39,7 @@ def service(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
     """A worker that keeps no box ready, so that each box is that of a run."""
     with Redis.from_url(_valkey) as client:
         client.flushall()
-    own = {"data": tmp_path_factory.mktemp("service"), "broker_url": _valkey, "warm_boxes": 0}
+    own = {"data": tmp_path_factory.mktemp("service"), "broker_url": _valkey}
     made = service_with(Settings.model_validate(QUICK | own))
     made.start_worker()
     yield made
