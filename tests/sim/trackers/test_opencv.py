@@ -126,7 +126,9 @@ def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["klt", "ecc", "kcf", "csrt", "box"])
+@pytest.mark.parametrize(
+    "name", ["klt", "ecc", "kcf", "box", pytest.param("csrt", marks=pytest.mark.long)]
+)
 def test_a_tracker_that_starts_again_makes_the_same_errors(short: Sequence, name: str) -> None:
     first, second = (short.follow(make(name))[0] for _ in range(2))
 
