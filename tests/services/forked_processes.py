@@ -19,7 +19,7 @@ from _pytest.outcomes import OutcomeException
 from _pytest.pathlib import ImportMode, import_path, module_name_from_path
 from execnet import XSpec, gateway_io
 
-from tests.services import compiled_once
+from tests.services import compiled_once, prepared
 
 # Libraries whose threads start as they are loaded: a fork would be without them.
 _WITH_THREADS = re.compile(r"^(import|from) (onnxruntime|pandas|polars|pyarrow)\b", re.MULTILINE)
@@ -76,6 +76,7 @@ def start(config: pytest.Config, specs: list[XSpec]) -> None:
         reporter: pytest.TerminalReporter = config.pluginmanager.getplugin("terminalreporter")
         reporter.write_line(f"No forks: loading the tests started {threads - 1} threads.")
         return
+    prepared.share()
     sys.stdout.flush()
     sys.stderr.flush()
     gc.freeze()  # forks share what is loaded as long as nobody touches it

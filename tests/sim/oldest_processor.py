@@ -1,14 +1,11 @@
-"""What a program prints here and elsewhere, such as on the oldest x86-64.
+"""The oldest x86-64, and what a program prints on this processor.
 
 There Numba compiles for it, and glibc fuses no operations. What is compiled for it is kept, as that
 for this processor is, but apart from that.
 """
 
 import io
-import os
-import subprocess
 import sys
-from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
@@ -20,8 +17,11 @@ OLDEST_PROCESSOR = {
     "NUMBA_CACHE_DIR": str(_KEPT),
     "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA",
 }
-# All that NumPy does in another way where a processor has it.
-NUMPY_OLDEST = {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"}
+# All that NumPy and OpenCV do in another way where a processor has it.
+OLDEST_LIBRARIES = {
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
+    "OPENCV_CPU_DISABLE": "AVX2,FMA3,AVX,FP16,AVX512-SKX,SSE4.2,SSE4.1,SSSE3",
+}
 
 
 def printed_here(program: str, *arguments: str) -> str:
@@ -33,17 +33,3 @@ def printed_here(program: str, *arguments: str) -> str:
     with redirect_stdout(said), patch.object(sys, "argv", ["-c", *arguments]):
         exec(program, {"__name__": "__main__"})  # noqa: S102  our own
     return said.getvalue()
-
-
-def printed(
-    program: str, variables: Mapping[str, str], *options: str, arguments: Sequence[str] = ()
-) -> str:
-    """Return what a Python program prints in a process of its own, with these variables more."""
-    done = subprocess.run(
-        [sys.executable, *options, "-c", program, *arguments],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, "PYTHONHASHSEED": "1", **variables},
-    )
-    return done.stdout

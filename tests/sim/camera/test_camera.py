@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.camera.seabed import TEXEL_M, TILE
-from tests.sim.oldest_processor import printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 Array = NDArray[np.float64]
 CAMERA = Camera(VISIBILITY, Water(), Target(), noise_seed=11)
@@ -167,4 +168,4 @@ def test_two_processes_render_the_same_bytes() -> None:
     here = printed_here(PROGRAM)
 
     assert len(here.strip()) == hashlib.sha256().digest_size * 2
-    assert here == printed(PROGRAM, {})
+    assert here == printed(PROGRAM)

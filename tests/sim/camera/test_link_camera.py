@@ -18,10 +18,11 @@ from seamark.sim.trackers import make
 from seamark.sim.vehicles import Quantity
 from seamark.sim.vehicles.linkage_reading import load_linkage
 from seamark.sim.vehicles.model import Place
+from tests.services.prepared import printed
 from tests.sim.camera import link_scenes as scenes
 from tests.sim.camera.conftest import bilinear
 from tests.sim.camera.link_scenes import SlowRenderer, average, camera, look, placed, turned
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.sim.oldest_processor import printed_here
 
 Array = NDArray[np.float64]
 
@@ -377,7 +378,7 @@ def test_another_process_and_the_oldest_processor_give_the_same_bytes() -> None:
     here = printed_here(PROGRAM)
 
     assert len(here.strip()) == 64
-    assert here == printed(PROGRAM, OLDEST_PROCESSOR)
+    assert here == printed(PROGRAM, on="oldest")
 
 
 def test_points_are_projected_as_pixels_are_rendered() -> None:

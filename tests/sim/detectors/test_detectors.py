@@ -18,7 +18,7 @@ from seamark.sim.detectors.template.library import (
 from seamark.sim.registry import DETECTORS, REFERENCE_DETECTORS
 from seamark.sim.settings.detector import DetectorSettings
 from seamark.sim.vehicles.patterns import CLASSES, MARKERS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
+from tests.services.prepared import printed
 
 View = Any  # conftest's class; a test folder is no package
 EVERY = [*DETECTORS, *REFERENCE_DETECTORS]
@@ -152,11 +152,7 @@ def digest(names: Sequence[str]) -> str:
     ],
 )
 def test_the_oldest_processor_gives_the_same_bytes(names: Sequence[str]) -> None:
-    oldest = OLDEST_PROCESSOR | {
-        "OPENCV_CPU_DISABLE": "AVX2,FMA3,AVX,AVX512_SKX,AVX512_ICL,SSE4_2,SSE4_1,SSSE3"
-    }
-
-    assert printed(PROGRAM, oldest, arguments=names).strip() == digest(names)
+    assert printed(PROGRAM, *names, on="oldest").strip() == digest(names)
 
 
 @pytest.mark.long

@@ -12,10 +12,10 @@ from seamark.sim.detectors.faces.fitting import Levels
 from seamark.sim.detectors.faces.picture import RIGHT
 from seamark.sim.detectors.faces.reading import evidence
 from seamark.sim.registry import BOX_DETECTORS
+from tests.services.prepared import printed
 from tests.sim.detectors.box_scenes import BoxView, look
 from tests.sim.detectors.conftest import look as look_at_bottom
 from tests.sim.detectors.test_detectors import said
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed
 
 NEAR, MIDDLE, FAR = 0.9, 1.6, 2.4  # [m] from camera to face
 PAIRS, LONG = {(NEAR, 1.5), (MIDDLE, 0.5), (FAR, 2.5)}, pytest.mark.long
@@ -193,4 +193,4 @@ def digest() -> str:
 
 @pytest.mark.slow
 def test_the_oldest_processor_gives_the_same_bytes() -> None:
-    assert printed(PROGRAM, OLDEST_PROCESSOR).strip() == digest()
+    assert printed(PROGRAM, on="oldest").strip() == digest()

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 PROGRAM = """
 import sys
@@ -48,6 +49,6 @@ def test_runs_with_an_arm_have_the_same_bits_in_two_processes_and_on_the_oldest_
 ) -> None:
     here = printed_here(PROGRAM, *runs).splitlines()
 
-    assert here == printed(PROGRAM, OLDEST_PROCESSOR, arguments=runs).splitlines()
+    assert here == printed(PROGRAM, *runs, on="oldest").splitlines()
     assert len(here) == len(runs[1:])
     assert all(int(line.split()[1]) > 20 for line in here)  # control steps with the hand on it

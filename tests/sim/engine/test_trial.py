@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Mapping
 
 import numpy as np
@@ -17,6 +15,7 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, NAMES, Rows
 from seamark.sim.settings.configuration import Configuration
+from tests.services.prepared import printed
 from tests.sim.conftest import SHORT, RunOf
 
 ONE_RUN = f"""
@@ -160,10 +159,7 @@ def test_two_processes_give_the_same_bytes_and_load_bullet_only_for_contacts(
 ) -> None:
     here, _rows = run_short({})
 
-    command = [sys.executable, "-c", ONE_RUN]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-
-    assert json.loads(done.stdout) == [here.digest, here.score, False]
+    assert json.loads(printed(ONE_RUN)) == [here.digest, here.score, False]
 
 
 def test_the_digest_of_a_trial_is_that_of_its_rows(run_short: RunOf) -> None:

@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 SCENES = """
 import hashlib
@@ -57,7 +58,7 @@ print(digest.hexdigest(), len(ARMS) + len(THINGS))
 def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
     here = printed_here(SCENES)
 
-    assert here == printed(SCENES, OLDEST_PROCESSOR)
+    assert here == printed(SCENES, on="oldest")
     assert int(here.split()[1]) > 20
 
 
@@ -65,5 +66,5 @@ def test_contact_has_the_same_bits_in_two_processes_and_on_the_oldest_processor(
 def test_arms_and_things_are_the_same_mechanisms_on_the_oldest_processor() -> None:
     here = printed_here(MODELS)
 
-    assert here == printed(MODELS, OLDEST_PROCESSOR)
+    assert here == printed(MODELS, on="oldest")
     assert int(here.split()[1]) >= 8

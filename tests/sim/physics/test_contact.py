@@ -1,7 +1,5 @@
 """Contacts: what is pressed is felt, what is hit takes momentum, what is far costs nothing."""
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
@@ -20,7 +18,8 @@ from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import Bottom
 from seamark.sim.vehicles import Quantity, Vehicle, load
-from tests.sim.oldest_processor import printed, printed_here
+from tests.services.prepared import printed, run
+from tests.sim.oldest_processor import printed_here
 
 SEABED_Z = 4.785
 FLAT = Bottom(SEABED_Z)
@@ -210,7 +209,7 @@ print(result.digest, np.count_nonzero(np.concatenate(rows)[:, INDEX["contact_n"]
 def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
     here = printed_here(CONTACT_RUN)
 
-    assert here == printed(CONTACT_RUN, {"OMP_NUM_THREADS": "1"})
+    assert here == printed(CONTACT_RUN)
     assert int(here.split()[1]) > 20
 
 
@@ -268,9 +267,7 @@ for contacts in ("seamark", "pybullet"):
 
 @pytest.mark.slow
 def test_bullet_is_loaded_only_where_it_is_chosen_and_prints_nothing() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", ENGINES], capture_output=True, text=True, check=True, timeout=240
-    )
+    done = run(ENGINES)
 
     assert done.stdout.splitlines() == ["False True", "True False"]
-    assert done.stderr == ""
+    assert (done.returncode, done.stderr) == (0, "")

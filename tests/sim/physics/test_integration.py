@@ -13,7 +13,8 @@ from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.physics.dynamics import Span, integrate, integration_buffers
 from seamark.sim.physics.plant import Plant
 from seamark.sim.vehicles import load
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -122,8 +123,7 @@ print(digest.hexdigest())
 def test_another_process_on_another_processor_gives_the_same_bytes() -> None:
     here = printed_here(RUN)
 
-    elsewhere = {"OMP_NUM_THREADS": "1", **OLDEST_PROCESSOR}
-    assert here == printed(RUN, elsewhere)
+    assert here == printed(RUN, on="oldest")
     assert len(here.strip()) == len(hashlib.sha256().hexdigest())
 
 

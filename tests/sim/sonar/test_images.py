@@ -12,7 +12,8 @@ from seamark.sim.sonar.device import Device
 from seamark.sim.sonar.display import fan_shape, in_colour, to_fan
 from seamark.sim.sonar.sonar import Sonar, pattern_of
 from seamark.sim.sonar.speckle import Fields, Receiver, receive
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 from tests.sim.sonar.scenes import HERE, solid, sonar
 
 BEAMS, BINS = 256, 400
@@ -121,7 +122,7 @@ def test_images_have_the_same_bits_on_the_oldest_processor() -> None:
     here = printed_here(PROGRAM)
 
     assert len(set(here.split())) == 2
-    assert here == printed(PROGRAM, {**OLDEST_PROCESSOR, **NUMPY_OLDEST})
+    assert here == printed(PROGRAM, on="oldest")
 
 
 def test_an_image_allocates_itself_alone() -> None:

@@ -12,7 +12,8 @@ from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.trackers import make
 from seamark.sim.trackers.median_flow.flow import follow, pyramid
 from seamark.sim.trackers.template.warps import signed_area
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 Sequence = Any  # conftest's class; a test folder is no package
 BOTH = ("mosse", "median-flow")
@@ -149,5 +150,5 @@ def test_the_flow_finds_a_displacement_of_part_of_a_pixel_and_none_where_nothing
 def test_both_give_the_same_bits_as_on_the_oldest_processor() -> None:
     here = printed_here(BITS)
 
-    assert here == printed(BITS, OLDEST_PROCESSOR)
+    assert here == printed(BITS, on="oldest")
     assert len(here.strip()) == 2 * hashlib.sha256().digest_size

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 PROGRAM = """
 import sys
@@ -39,6 +40,5 @@ def test_docks_have_the_same_bits_in_two_processes_and_on_the_oldest_processor(
 ) -> None:
     here = printed_here(PROGRAM, *controllers)
 
-    oldest = {**OLDEST_PROCESSOR, **NUMPY_OLDEST}
-    assert here == printed(PROGRAM, oldest, arguments=controllers)
+    assert here == printed(PROGRAM, *controllers, on="oldest")
     assert len(set(here.splitlines())) == len(controllers)

@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 PROGRAM = """
 from seamark.sim import registry
@@ -22,5 +23,5 @@ for trial, controller in enumerate(names):
 def test_routes_have_the_same_bits_in_two_processes_and_on_the_oldest_processor() -> None:
     here = printed_here(PROGRAM)
 
-    assert here == printed(PROGRAM, {**OLDEST_PROCESSOR, **NUMPY_OLDEST})
+    assert here == printed(PROGRAM, on="oldest")
     assert len(set(here.splitlines())) == 8

@@ -3,8 +3,6 @@
 import hashlib
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
@@ -34,6 +32,7 @@ from seamark.sim.recording.telemetry import INDEX, NAMES, WIDTH, Rows
 from seamark.sim.registry import TRUTH, benchmark
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.trackers import Corners, Track, Window
+from tests.services.prepared import printed
 
 NAME = "visibility-v1"
 SHORT = {"sweep_to": 1.0, "sweep_step": 0.5, "level_duration_s": 2.0}
@@ -353,11 +352,7 @@ def test_a_path_never_leaves_its_amplitudes(t: float, seed: int) -> None:
 def test_two_processes_give_the_same_bytes() -> None:
     here = run(SHORT)
 
-    done = subprocess.run(
-        [sys.executable, "-c", ONE_RUN], capture_output=True, text=True, check=True
-    )
-
-    assert json.loads(done.stdout) == [here.digest, here.score]
+    assert json.loads(printed(ONE_RUN)) == [here.digest, here.score]
 
 
 def test_ssd_fails_long_before_zncc() -> None:

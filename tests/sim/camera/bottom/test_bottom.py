@@ -18,7 +18,8 @@ from seamark.sim.camera.seabed import TILE
 from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.vehicles.patterns import CLASSES, DECOYS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 NO_SUN = Sun(0.0, 0.0)
 MIDDLE_M = 0.5 * STRIP_M
@@ -99,7 +100,7 @@ def test_a_bottom_is_the_same_bytes_in_each_process_and_on_the_oldest_processor(
     here = printed_here(PROGRAM)
 
     assert len(here.strip()) == 64
-    assert here == printed(PROGRAM, OLDEST_PROCESSOR)
+    assert here == printed(PROGRAM, on="oldest")
 
 
 def test_bottoms_of_two_seeds_have_nothing_drawn_alike() -> None:

@@ -23,7 +23,8 @@ from seamark.sim.control.manipulation.imitation.features import (
 )
 from seamark.sim.control.manipulation.imitation.layers import Layer, forward, load, save
 from seamark.sim.registry import benchmark
-from tests.sim.oldest_processor import NUMPY_OLDEST, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 BITS = """
 import numpy as np
@@ -75,7 +76,7 @@ def test_the_network_adds_from_the_first_input_to_the_last() -> None:
 def test_the_network_has_the_same_bits_on_the_oldest_processor() -> None:
     here = printed_here(BITS)
 
-    assert here == printed(BITS, NUMPY_OLDEST, "-W", "error::ImportWarning")
+    assert here == printed(BITS, on="oldest")
     assert len(set(here.splitlines())) == 20
 
 

@@ -15,7 +15,8 @@ from seamark.sim.control.mpc.horizon import (
     step_of,
 )
 from seamark.sim.numerics.arrays import Array
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 TUNING = Tuning(dt=0.05, steps=40, lag_s=0.2, bandwidth_1_s=2.0)
 ONE = np.ones((1, 1))  # one axis with a thruster of its own, which gives 1 m/s² for 1
@@ -145,4 +146,4 @@ def test_axes_that_share_a_thruster_share_its_limit() -> None:
 
 
 def test_it_gives_the_same_bits_as_on_the_oldest_processor() -> None:
-    assert printed_here(BITS) == printed(BITS, OLDEST_PROCESSOR)
+    assert printed_here(BITS) == printed(BITS, on="oldest")

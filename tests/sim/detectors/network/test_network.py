@@ -27,7 +27,8 @@ from seamark.sim.detectors.network.reading import (
 )
 from seamark.sim.registry import benchmark
 from seamark.sim.vehicles.patterns import CLASSES
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 EXAMPLE = Path(__file__).parents[4] / "examples" / "detector"
 CONFIG = PatternsConfiguration(optical_depths=(0.0, 3.0))
@@ -219,8 +220,7 @@ def test_the_network_has_the_same_bits_in_two_processes_and_on_the_oldest_proces
 
     assert len(here.split()[0]) == 64
     assert int(here.split()[1]) > 0
-    oldest = {**OLDEST_PROCESSOR, **NUMPY_OLDEST}
-    assert here == printed(bits, oldest, "-W", "error::ImportWarning")
+    assert here == printed(bits, on="oldest")
 
 
 def test_the_weights_are_those_that_the_note_on_the_leaderboard_is_about() -> None:

@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.sim.oldest_processor import NUMPY_OLDEST, OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 PROGRAM = """
 import hashlib
@@ -36,4 +37,4 @@ print(digest.hexdigest())
 
 @pytest.mark.slow
 def test_tables_and_what_moves_in_them_have_the_same_bits_everywhere() -> None:
-    assert printed_here(PROGRAM) == printed(PROGRAM, {**OLDEST_PROCESSOR, **NUMPY_OLDEST})
+    assert printed_here(PROGRAM) == printed(PROGRAM, on="oldest")

@@ -12,7 +12,8 @@ from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS
 from seamark.sim.trackers import make, option_errors
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
-from tests.sim.oldest_processor import OLDEST_PROCESSOR, printed, printed_here
+from tests.services.prepared import printed
+from tests.sim.oldest_processor import printed_here
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -225,5 +226,5 @@ def test_another_process_without_wide_vectors_tracks_to_the_same_bits(tmp_path: 
     drawn = str(draw(tmp_path))
     here = printed_here(PROGRAM, drawn)
 
-    assert here == printed(PROGRAM, OLDEST_PROCESSOR, arguments=[drawn])
+    assert here == printed(PROGRAM, drawn, on="oldest")
     assert here.strip().endswith("True")
