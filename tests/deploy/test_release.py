@@ -30,6 +30,7 @@ def bill(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.long  # the parsers; what is in the bill is looked at below
 def test_the_bill_of_materials_has_the_schema_of_cyclonedx(bill: str) -> None:
     # Here: it builds 39 parsers, which every process that collects the tests would do.
     from cyclonedx.schema import SchemaVersion

@@ -20,10 +20,11 @@ from onnx import TensorProto, helper, numpy_helper
 
 from seamark.cli.main import cli
 from seamark.sandbox.languages.python.host import OPTIONAL
+from tests.services.prepared import SEAMARK, run
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "torch_to_onnx.py"
-ABSENT = "import sys; sys.modules['onnxruntime'] = None\nfrom seamark.cli.main import main; main()"
+ABSENT = f"import sys; sys.modules['onnxruntime'] = None\n{SEAMARK}"
 PROGRAM = """
 import onnxruntime
 
@@ -74,13 +75,7 @@ def test_a_program_that_needs_the_extra_is_told_how_to_install_it(tmp_path: Path
     (tmp_path / "mine.py").write_text(PROGRAM)
 
     # A process that looked for packages before would not look again.
-    done = subprocess.run(
-        [sys.executable, "-c", ABSENT, "check", "mine.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run(ABSENT, "check", "mine.py", on="warm", folder=tmp_path)
 
     assert done.returncode == 1, done.stderr
     assert "No module named 'onnxruntime'" in done.stdout

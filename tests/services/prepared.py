@@ -2,8 +2,9 @@
 
 A program of a test has the environment, hashes and processor of such an interpreter, which has
 computed nothing: none of what the process of the tests has done can be seen in it. What is loaded
-takes more than a second each time, mostly longer than what the program computes. Tests that are
-about loading start Python themselves.
+takes more than a second each time, mostly longer than what the program computes. The one that is
+warm has loaded the compiled code as well, as a worker's has. Tests that are about loading start
+Python themselves.
 
 All processes of the tests share one interpreter of each kind (`tests.services.forked_processes`).
 """
@@ -33,9 +34,12 @@ _ROOT = Path(__file__).parents[2]
 _ELSEWHERE = {"PYTHONHASHSEED": "1", "OMP_NUM_THREADS": "1"}
 KINDS: dict[str, dict[str, str]] = {
     "another": _ELSEWHERE,
+    "warm": _ELSEWHERE,
     "oldest": {**_ELSEWHERE, **OLDEST_PROCESSOR, **OLDEST_LIBRARIES},
 }
-_LOADED = ("hypothesis.extra.numpy", "pytest", "seamark.sim.engine.summary", fork_server.CAMERA)
+_LOADED = ("seamark.sim.engine.summary", fork_server.CAMERA)
+_LOADED_BY_TESTS = ("hypothesis.extra.numpy", "pytest")
+SEAMARK = "from seamark.cli.main import main; main()"  # the command line as a program
 _REQUEST_BYTES_MAX = 1 << 17
 _STREAMS = 3
 _FAILED = 1  # as of an interpreter that ends with an exception
@@ -46,9 +50,9 @@ class _Interpreter:
         self._connection, its_end = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         code = "from tests.services.prepared import serve; serve()"
         # NumPy warns of a feature that cannot be left out.
-        command = [sys.executable, "-W", "error::ImportWarning", "-c", code, str(its_end.fileno())]
+        python = [sys.executable, "-W", "error::ImportWarning"]
         self._process = subprocess.Popen(
-            command,
+            [*python, "-c", code, kind, str(its_end.fileno())],
             cwd=_ROOT,
             env={**os.environ, **KINDS[kind]},
             stdin=subprocess.DEVNULL,
@@ -63,10 +67,12 @@ class _Interpreter:
         with open(said, "rb") as answer:
             socket.send_fds(self._connection, [json.dumps(request).encode()], [*streams, to_say])
             os.close(to_say)
-            return int(answer.read() or -signal.SIGKILL)  # it was killed
+            # Not to its end, which whatever the program has started may hold open.
+            return int(answer.readline() or -signal.SIGKILL)  # it was killed
 
     def _end(self, owner: int) -> None:
         if os.getpid() == owner:  # its forks have inherited what it does at its end
+            self._connection.close()
             self._process.kill()
             self._process.wait()
 
@@ -117,7 +123,7 @@ def printed(program: str, *arguments: str, on: str = "another") -> str:
 
 def serve() -> None:
     """Fork until nobody is connected any more."""
-    connection = socket.socket(fileno=int(sys.argv[1]))
+    connection = socket.socket(fileno=int(sys.argv[2]))
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # programs tell their exit codes themselves
     loaded = False
     while True:
@@ -125,7 +131,7 @@ def serve() -> None:
         if not request:
             return
         if not loaded:
-            _load()
+            _load(sys.argv[1])
             loaded = True
         if os.fork() == 0:
             connection.close()
@@ -135,12 +141,18 @@ def serve() -> None:
             os.close(descriptor)
 
 
-def _load() -> None:
+def _load(kind: str) -> None:
     from seamark.sim import registry
+    from seamark.sim.engine.warm_up import warm_up
 
     registry.load_all()
     for name in _LOADED:
         import_module(name)
+    if kind == "oldest":  # of whose programs some import the module of their test
+        for name in _LOADED_BY_TESTS:
+            import_module(name)
+    if kind == "warm":
+        warm_up()
     gc.collect()
     gc.freeze()  # forks share what is loaded as long as nobody touches it
 
@@ -148,6 +160,7 @@ def _load() -> None:
 def _be(request: dict[str, Any], *descriptors: int) -> NoReturn:
     """Run the program as an interpreter of its own would, and tell its exit code."""
     *streams, answer = descriptors
+    os.set_inheritable(answer, False)
     for place, stream in enumerate(streams):
         os.dup2(stream, place)
         os.close(stream)
@@ -160,7 +173,7 @@ def _be(request: dict[str, Any], *descriptors: int) -> NoReturn:
     with suppress(OSError, ValueError):  # as of an interpreter at its end
         sys.stdout.flush()
         sys.stderr.flush()
-    os.write(answer, str(status).encode())
+    os.write(answer, f"{status}\n".encode())
     os._exit(status)  # not back into the loop of the process that was forked
 
 

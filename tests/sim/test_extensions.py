@@ -1,15 +1,13 @@
 """Adding a thing is one file or folder and one line of the registry.
 
-Each test writes the files to a temporary folder, adds the line in a fresh interpreter, as the file
-of the registry would have it, and runs a trial.
+The files are written to a temporary folder, and a fresh interpreter adds the lines, as the file of
+the registry would have them, and runs a trial with each thing.
 """
 
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,80 +15,46 @@ import pytest
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, WIDTH
 from seamark.sim.vehicles import most_thrusters
 
+pytestmark = pytest.mark.slow
+
 START = """
 import json, sys
-from pathlib import PosixPath
+from pathlib import Path
 from seamark.sim import registry
-registry.{table}["{name}"] = {path!r}
+
+folder, trials = Path(sys.argv[1]), json.loads(sys.argv[2])
+registry.BENCHMARKS["harbour-v1"] = "harbour_v1.definition:BENCHMARK"
+registry.TRACKERS["drifter"] = "drifter:TRACKER"
+registry.CONTROLLERS["ahead"] = "ahead:Controller"
+registry.VEHICLES |= {name: folder / f"{name}.toml" for name in ("six", "eleven")}
 
 from seamark.sim.benchmarks.metrics_documentation import markdown, metric_groups
 from seamark.sim.registry import benchmark
-properties = {{name: benchmark(name).schema()["properties"] for name in registry.BENCHMARKS}}
-light = not {{"numba", "cv2", "pybullet"}} & set(sys.modules)
+properties = {name: benchmark(name).schema()["properties"] for name in registry.BENCHMARKS}
+light = not {"numba", "cv2", "pybullet"} & set(sys.modules)
 page = markdown(metric_groups())
 registry.load_all()
 
 from seamark.sim.engine.summary import summarise
 from seamark.sim.engine.trial import run_trial
-entry = benchmark("{benchmark}")
-config = entry.read({{**entry.quick_settings, **json.loads({settings!r})}})
-widths = []
-solution = entry.load().built_in("{controller}", config)
-result = run_trial(
-    entry.name, config, solution, seed=3, trial=0, on_rows=lambda rows: widths.append(rows.shape[1])
-)
-print(json.dumps({{
-    "properties": properties,
-    "light": light,
-    "page": page,
-    "built_in": dict(entry.built_in),
-    "charts": [chart.columns for chart in entry.charts_of(config)],
-    "summary": summarise(entry.name, config, [result]),
-    "width": widths[0],
-}}))
+
+def ran(name, controller, settings):
+    entry, widths = benchmark(name), []
+    config = entry.read({**entry.quick_settings, **settings})
+    solution = entry.load().built_in(controller, config)
+    result = run_trial(
+        name, config, solution, seed=3, trial=0, on_rows=lambda rows: widths.append(rows.shape[1])
+    )
+    return {
+        "built_in": dict(entry.built_in),
+        "charts": [chart.columns for chart in entry.charts_of(config)],
+        "summary": summarise(name, config, [result]),
+        "width": widths[0],
+    }
+
+ended = {thing: ran(*trial) for thing, trial in trials.items()}
+print(json.dumps({"properties": properties, "light": light, "page": page, "trials": ended}))
 """
-Added = Callable[..., dict[str, Any]]
-
-
-@pytest.fixture
-def added(tmp_path: Path) -> Added:
-    """Adds one thing and returns what a trial with it, its form and its documentation give."""
-
-    def add(
-        table: str,
-        name: str,
-        path: str | Path,
-        files: Mapping[str, str],
-        *,
-        benchmark: str = "currents-v1",
-        controller: str = "pi",
-        settings: Mapping[str, object] | None = None,
-    ) -> dict[str, Any]:
-        for file, text in files.items():
-            tmp_path.joinpath(file).parent.mkdir(exist_ok=True)
-            tmp_path.joinpath(file).write_text(text, encoding="utf-8")
-        code = START.format(
-            table=table,
-            name=name,
-            path=path,
-            benchmark=benchmark,
-            controller=controller,
-            settings=json.dumps(settings or {}),
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", code],
-            env={**os.environ, "PYTHONPATH": str(tmp_path)},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        result: dict[str, Any] = json.loads(done.stdout)
-        return result
-
-    return add
-
-
 HARBOUR = {
     "harbour_v1/__init__.py": "",
     "harbour_v1/metrics.py": """
@@ -144,30 +108,6 @@ EXPERIMENT = StationKeeping((OUTSIDE,))
 }
 
 
-@pytest.mark.slow
-def test_a_second_station_keeping_benchmark_with_a_metric_is_one_folder(added: Added) -> None:
-    result = added(
-        "BENCHMARKS",
-        "harbour-v1",
-        "harbour_v1.definition:BENCHMARK",
-        HARBOUR,
-        benchmark="harbour-v1",
-        settings={"score": "2 * whole_outside_s"},
-    )
-
-    summary, form = result["summary"], result["properties"]["harbour-v1"]
-    first, second = summary["levels"]
-    assert form["levels"]["default"] == [0.05, 0.15]
-    assert form["levels"]["title"] == result["properties"]["currents-v1"]["levels"]["title"]
-    assert result["light"]
-    assert (first["speed"], second["speed"]) == (0.05, 0.15)
-    assert 0 < first["whole_outside_s"] <= 2.0
-    total = first["whole_outside_s"] + second["whole_outside_s"]
-    assert summary["overall"]["whole_outside_s"] == pytest.approx(total)
-    assert summary["own_score"]["value"] == pytest.approx(2 * total)
-    assert "| `outside_s` | Time outside 1 mm | s | control steps with d > 1 mm" in result["page"]
-
-
 DRIFTER = {
     "drifter/__init__.py": """
 from seamark.sim.trackers.declaration import TrackerDeclaration, number_option
@@ -215,33 +155,9 @@ class Drifter:
 }
 
 
-@pytest.mark.slow
-def test_a_tracker_with_an_option_is_one_folder(added: Added) -> None:
-    result = added(
-        "TRACKERS",
-        "drifter",
-        "drifter:TRACKER",
-        DRIFTER,
-        benchmark="visibility-v1",
-        controller="built-in",
-        settings={"tracker": "drifter", "drift_px": 2.0, "path_swing_m": 0, "path_turn_rad": 0},
-    )
-
-    with_tracker = [form for form in result["properties"].values() if "tracker" in form]
-    assert len(with_tracker) > 1
-    for form in with_tracker:
-        assert form["drift_px"]["x-applies"] == {"tracker": ["drifter"]}
-        assert (form["drift_px"]["maximum"], form["drift_px"]["x-unit"]) == (3, "px")
-        assert "drifter" in form["warp"]["x-applies"]["tracker"]
-        label = form["tracker"]["x-labels"]["drifter"]
-        assert label == "First corners, moved a little; not bit-identical on all processors"
-    assert result["light"]
-    assert result["summary"]["levels"][0]["p5_percent"] < 10.0
-
-
 VEHICLE = """
 format = 1
-name = "other"
+name = "{name}"
 title = "Girona with {count} thrusters"
 summary = "A further one."
 extends = "girona500"
@@ -256,37 +172,7 @@ FIVE = {"port": (-0.3, [1, 0, 0]), "starboard": (0.3, [1, 0, 0]), "bow": (0, [0,
         "stern": (0, [0, 0, 1]), "sway": (0, [0, 1, 0])}  # fmt: skip
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [6, 11])
-def test_a_vehicle_with_any_number_of_thrusters_is_one_file(
-    added: Added, tmp_path: Path, count: int
-) -> None:
-    further = {f"further {number}": FIVE["sway"] for number in range(count - 5)}
-    thrusters = [
-        THRUSTER.format(name=name, y=y, direction=direction)
-        for name, (y, direction) in {**FIVE, **further}.items()
-    ]
-
-    result = added(
-        "VEHICLES",
-        "other",
-        tmp_path / "other.toml",
-        {"other.toml": VEHICLE.format(count=count) + "".join(thrusters)},
-        settings={"vehicle": "other", "tracker": "truth", "fault_thruster": count - 1},
-    )
-
-    thrusts = [column for chart in result["charts"] for column in chart if "thrust" in column]
-    form = result["properties"]["currents-v1"]
-    assert form["vehicle"]["x-labels"]["other"] == f"Girona with {count} thrusters"
-    assert form["fault_thruster"]["maximum"] == max(count, most_thrusters()) - 1
-    assert thrusts == [f"thrust_{i}" for i in range(count)]
-    assert result["width"] == WIDTH + max(count - COMMON_THRUSTERS, 0)
-    assert result["summary"]["levels"][0]["whole_max_m"] < 1.0
-
-
-@pytest.mark.slow
-def test_a_controller_is_one_file(added: Added) -> None:
-    controller = """
+AHEAD = """
 class Controller:
     label = "Full ahead"
 
@@ -299,15 +185,106 @@ class Controller:
     def step(self, observation):
         return [self.limit, 0.0, 0.0, 0.0]
 """
+COUNTS = {"six": 6, "eleven": 11}  # name of a vehicle -> its thrusters
+STILL = {"tracker": "truth"}
+TRIALS = {  # thing -> benchmark, controller and settings of its trial
+    "harbour": ("harbour-v1", "pi", {"score": "2 * whole_outside_s"}),
+    "drifter": (
+        "visibility-v1",
+        "built-in",
+        {"tracker": "drifter", "drift_px": 2.0, "path_swing_m": 0, "path_turn_rad": 0},
+    ),
+    **{
+        name: ("currents-v1", "pi", STILL | {"vehicle": name, "fault_thruster": count - 1})
+        for name, count in COUNTS.items()
+    },
+    "ahead": ("currents-v1", "ahead", STILL),
+}
 
-    result = added(
-        "CONTROLLERS",
-        "ahead",
-        "ahead:Controller",
-        {"ahead.py": controller},
-        controller="ahead",
-        settings={"tracker": "truth"},
+
+def vehicle(name: str, count: int) -> str:
+    """Return the file of a vehicle with so many thrusters."""
+    further = {f"further {number}": FIVE["sway"] for number in range(count - 5)}
+    thrusters = [
+        THRUSTER.format(name=name, y=y, direction=direction)
+        for name, (y, direction) in {**FIVE, **further}.items()
+    ]
+    return VEHICLE.format(name=name, count=count) + "".join(thrusters)
+
+
+@pytest.fixture(scope="module")
+def added(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What forms, documentation and a trial with each of the added things give."""
+    folder = tmp_path_factory.mktemp("added")
+    files = {**HARBOUR, **DRIFTER, "ahead.py": AHEAD}
+    files |= {f"{name}.toml": vehicle(name, count) for name, count in COUNTS.items()}
+    for file, text in files.items():
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", START, str(folder), json.dumps(TRIALS)],
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
     )
+    assert done.returncode == 0, done.stderr
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
 
-    assert result["built_in"]["ahead"] == "Full ahead"
-    assert result["summary"]["levels"][0]["whole_max_m"] > 0.3
+
+def test_a_form_and_the_documentation_load_nothing_heavy_of_what_is_added(
+    added: dict[str, Any],
+) -> None:
+    assert added["light"]
+
+
+def test_a_second_station_keeping_benchmark_with_a_metric_is_one_folder(
+    added: dict[str, Any],
+) -> None:
+    summary, form = added["trials"]["harbour"]["summary"], added["properties"]["harbour-v1"]
+
+    first, second = summary["levels"]
+    assert form["levels"]["default"] == [0.05, 0.15]
+    assert form["levels"]["title"] == added["properties"]["currents-v1"]["levels"]["title"]
+    assert (first["speed"], second["speed"]) == (0.05, 0.15)
+    assert 0 < first["whole_outside_s"] <= 2.0
+    total = first["whole_outside_s"] + second["whole_outside_s"]
+    assert summary["overall"]["whole_outside_s"] == pytest.approx(total)
+    assert summary["own_score"]["value"] == pytest.approx(2 * total)
+    assert "| `outside_s` | Time outside 1 mm | s | control steps with d > 1 mm" in added["page"]
+
+
+def test_a_tracker_with_an_option_is_one_folder(added: dict[str, Any]) -> None:
+    with_tracker = [form for form in added["properties"].values() if "tracker" in form]
+
+    assert len(with_tracker) > 1
+    for form in with_tracker:
+        assert form["drift_px"]["x-applies"] == {"tracker": ["drifter"]}
+        assert (form["drift_px"]["maximum"], form["drift_px"]["x-unit"]) == (3, "px")
+        assert "drifter" in form["warp"]["x-applies"]["tracker"]
+        label = form["tracker"]["x-labels"]["drifter"]
+        assert label == "First corners, moved a little; not bit-identical on all processors"
+    assert added["trials"]["drifter"]["summary"]["levels"][0]["p5_percent"] < 10.0
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_a_vehicle_with_any_number_of_thrusters_is_one_file(
+    added: dict[str, Any], name: str
+) -> None:
+    count, trial = COUNTS[name], added["trials"][name]
+
+    thrusts = [column for chart in trial["charts"] for column in chart if "thrust" in column]
+    form = added["properties"]["currents-v1"]
+    assert form["vehicle"]["x-labels"][name] == f"Girona with {count} thrusters"
+    assert form["fault_thruster"]["maximum"] == max(*COUNTS.values(), most_thrusters()) - 1
+    assert thrusts == [f"thrust_{i}" for i in range(count)]
+    assert trial["width"] == WIDTH + max(count - COMMON_THRUSTERS, 0)
+    assert trial["summary"]["levels"][0]["whole_max_m"] < 1.0
+
+
+def test_a_controller_is_one_file(added: dict[str, Any]) -> None:
+    trial = added["trials"]["ahead"]
+
+    assert trial["built_in"]["ahead"] == "Full ahead"
+    assert trial["summary"]["levels"][0]["whole_max_m"] > 0.3

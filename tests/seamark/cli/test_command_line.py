@@ -22,6 +22,7 @@ from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.permissions import ACCOUNT_ROLES, SCOPES
 from seamark.server.database.engine import Database
 from seamark.sim import registry
+from tests.services.prepared import SEAMARK, run
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=2", "--set", "settle_s=1", "--seed", "7")
 CRASHING = """
@@ -45,8 +46,7 @@ def seamark(*arguments: str) -> Result:
 
 
 def process(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", "seamark.cli.main", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return run(SEAMARK, *arguments, on="warm")
 
 
 @pytest.mark.parametrize("name", COMMANDS)

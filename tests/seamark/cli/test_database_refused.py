@@ -1,8 +1,6 @@
 """Commands whose database cannot be used: a sentence and exit code 3, whatever the command."""
 
 import os
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,6 +12,7 @@ from seamark.cli.main import cli
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
 from tests.services.ports import free_port
+from tests.services.prepared import SEAMARK, run
 
 COMMANDS = (
     *("web", "worker", "user list", "user add ann", "token new ann", "audit", "backup out.tar"),
@@ -72,12 +71,10 @@ def test_a_database_that_is_too_early_to_be_upgraded_is_named_as_such(
 @pytest.mark.slow
 @pytest.mark.usefixtures("newer")
 def test_up_names_a_database_of_a_newer_version(environment: Mapping[str, str]) -> None:
-    command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(free_port())]
+    command = ["up", "--port", str(free_port())]
     alone = {name: value for name, value in environment.items() if "BROKER" not in name}
 
-    done = subprocess.run(
-        command, env=os.environ | alone, capture_output=True, text=True, check=False
-    )
+    done = run(SEAMARK, *command, on="warm", environment=os.environ | alone)
 
     assert done.returncode == 3
     assert len(done.stderr.strip().splitlines()) == 1

@@ -1,8 +1,6 @@
 """`seamark db`."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from click.testing import CliRunner
@@ -16,6 +14,7 @@ from seamark.server.database.tables import Best
 from seamark.server.runs.leaderboard import reference_entries
 from seamark.server.settings import Settings
 from tests.cast import Backend
+from tests.services.prepared import SEAMARK, printed
 
 BEST = tuple(Best.__table__.columns)
 
@@ -77,9 +76,7 @@ def test_a_downgrade_to_an_unknown_schema_is_refused(leaderboard: Backend) -> No
 @pytest.mark.slow
 def test_the_missing_reference_entries_are_queued_once(leaderboard: Backend) -> None:
     words = ["db", "reference-entries", "--json"]
-    command = [sys.executable, "-m", "seamark.cli.main", *words]
-    printed = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
-    first = json.loads(printed)["runs"]
+    first = json.loads(printed(SEAMARK, *words, on="warm"))["runs"]
     again = json.loads(CliRunner().invoke(cli, words).stdout)["runs"]
 
     with leaderboard.database.reading() as session:

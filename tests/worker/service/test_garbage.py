@@ -1,12 +1,11 @@
 """What loads without garbage collection collects afterwards: it would grow without an end."""
 
 import os
-import subprocess
-import sys
 
 import pytest
 
 from seamark.server.settings import Settings
+from tests.services.prepared import run
 
 WORKER = """
 import gc
@@ -34,13 +33,12 @@ process.main([str(control.detach()), slot, str(os.getppid())])
 print(gc.isenabled())
 """
 WEB = """
-import gc, os
+import gc
 from seamark.embedded.web_server import _Application
 from seamark.server.settings import Settings
 
 _Application(Settings.load(), {}).load()
-print(gc.isenabled(), flush=True)
-os._exit(0)
+print(gc.isenabled())
 """
 
 
@@ -49,12 +47,7 @@ os._exit(0)
 def test_a_process_that_has_loaded_its_modules_collects_garbage(
     script: str, settings: Settings
 ) -> None:
-    found = subprocess.run(
-        [sys.executable, "-c", script],
-        env=os.environ | settings.environment(),
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
+    found = run(script, environment=os.environ | settings.environment())
 
+    assert found.returncode == 0, found.stderr
     assert found.stdout.splitlines()[-1] == "True"

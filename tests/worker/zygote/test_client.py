@@ -119,6 +119,7 @@ def test_a_child_that_dies_without_an_outcome_is_a_failure_of_the_platform() -> 
 
 
 @pytest.mark.slow
+@pytest.mark.long  # each test with `simulator` of tests/worker/service waits for a real one
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)
 

@@ -1,6 +1,5 @@
 """Zygotes that a warm mother forks: they are those of a new interpreter, sooner and smaller."""
 
-import json
 import os
 import signal
 import subprocess
@@ -13,13 +12,13 @@ import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.proc_stats import cpu_s, parent_of, threads, tree
-from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.zygote import client
 from seamark.worker.zygote.client import Mother, Simulator, SimulatorBroken
 from tests.services import forked_workers
+from tests.services.prepared import printed
 from tests.worker.conftest import SHORT
 from tests.worker.evaluation.fakes import FakeListener
 from tests.worker.processes import children, command_line
@@ -71,12 +70,15 @@ with simulator.begin(Job.from_json(sys.argv[3].encode())) as simulation:
 """
 # A worker with two cores, whose mother takes long.
 HELPED = """
-import os, sys, time
-from seamark.sandbox.isolation.proc_stats import parent_of, tree
+import os, time
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.isolation.proc_stats import tree
+from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.zygote import mother
 
-slot, cores = WorkerSlot.from_json(sys.argv[1]), WorkerSlot.from_json(sys.argv[1]).cores()
+slot = WorkerSlot(IsolationLevel.NONE, 0, shared_cores=(0, 1, 2), core_locks=new_locks())
+cores = slot.cores()
 mother.LOADED_CPU_S = 0.0
 with mother._helpers(slot):
     print(len(tree(os.getpid())) - 1)
@@ -315,15 +317,4 @@ def test_a_process_that_outlives_its_worker_still_ends_its_run_and_then_the_moth
 
 @pytest.mark.timeout(COMPILED_S + 60)
 def test_the_other_cores_of_a_worker_help_a_mother_that_takes_long_and_leave_nothing() -> None:
-    locks = new_locks()
-    slot = WorkerSlot(IsolationLevel.NONE, 0, shared_cores=(0, 1, 2), core_locks=locks)
-
-    found = subprocess.run(
-        [sys.executable, "-c", HELPED, slot.to_json()],
-        stdout=subprocess.PIPE,
-        pass_fds=[locks],
-        check=True,
-    )
-    os.close(locks)
-
-    assert json.loads(b"[" + b",".join(found.stdout.split()) + b"]") == [2, 0, 0]
+    assert printed(HELPED).split() == ["2", "0", "0"]
