@@ -30,7 +30,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.host]
 
 CORES = min(len(os.sched_getaffinity(0)), 2)
 NEVER = {"lease_s": 3600.0, "workers": CORES, "warm_boxes": 1}  # these must not stay either
-MINUTES = {**LONG, "level_duration_s": 100.0}
+MINUTES = {**LONG, "level_duration_s": 60.0}
 SLOW_TO_START = b"""
 import time
 class Controller:
