@@ -1,6 +1,7 @@
 """The camera: an image is a pure function of pose, water, noise seed and frame number."""
 
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,15 @@ def effect_parameters(effects: Effects, noise_seed: int) -> EffectParameters:
         seed=seed,
         drift=np.zeros(5),
     )
+
+
+class Pencil(NamedTuple):
+    """What the kernels draw one colour channel of a camera with."""
+
+    scene: Scene
+    channel: Channel
+    grain: SensorNoise
+    effects: EffectParameters  # of `raycast_effects`, where there are any
 
 
 class Camera:
@@ -198,6 +208,17 @@ class Camera:
         project(points, self._rotation, self._position, self._lens[0], out)
         return out
 
+    def pencil(self, number: int = GREEN) -> Pencil:
+        """Return what a compiled loop over many cameras draws a channel of this one with."""
+        effects = self._effect_parameters or effect_parameters(self.effects, self._noise_seed)
+        return Pencil(self._scene, self._channel(number), self._grain, effects)
+
+    def _channel(self, number: int) -> Channel:
+        channel = self._channels.get(number)
+        if channel is None:
+            channel = self._channels[number] = self._build_channel(number)
+        return channel
+
     def _build_scene(self) -> Scene:
         """Return the part of the scene that all channels share."""
         target = self.target
@@ -232,9 +253,7 @@ class Camera:
         number: int,
         out: NDArray[np.uint8],
     ) -> None:
-        channel = self._channels.get(number)
-        if channel is None:
-            channel = self._channels[number] = self._build_channel(number)
+        channel = self._channel(number)
         # A copy, of the type that is compiled for: a pose may be read-only or strided.
         self._motion[6:] = 0.0
         self._motion[: len(pose)] = pose

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from seamark.sim.camera.rows import CHUNK, NODE
@@ -55,6 +56,7 @@ class Buffers(NamedTuple):
     levels: NDArray[np.uint8]  # the strip in grey levels
 
 
+@register_jitable
 def buffers_for(width: int) -> Buffers:
     """Return buffers for images of this width [px]."""
     wide = (width + 2 * MARGIN) // CHUNK * CHUNK + 3 * CHUNK

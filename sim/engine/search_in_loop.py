@@ -91,7 +91,7 @@ class SearchInLoop(TrackerInLoop):
     def _hand_over(self, answer: Detection, image: NDArray[np.uint8], pose: Pose) -> None:
         self._pose = pose
         corners = np.array(answer.corners, dtype=np.float64)
-        self._tracker.start(image, corners)
+        self.tracker.start(image, corners)
         self._corners[:] = corners
         self.ok, self.searching, self._lost = True, False, 0
         self.confidence = answer.confidence

@@ -63,7 +63,7 @@ class TrackerInLoop(Untracked):
         self._reference = reference or camera
         self._start_error = start_error
         self._pose: Pose = np.zeros(6)
-        self._tracker = tracker or self._configured(settings)
+        self.tracker = tracker or self._configured(settings)
 
     def _configured(self, settings: TrackerSettings) -> Tracker:
         options = settings.tracker_options()
@@ -74,7 +74,7 @@ class TrackerInLoop(Untracked):
         self._pose = pose
         self._camera.follow(pose)
         corners = self._camera.corners(pose) + self._start_error
-        self._tracker.start(self._reference.grey(pose, frame), corners)
+        self.tracker.start(self._reference.grey(pose, frame), corners)
         self._corners[:] = corners
         self.ok = True
 
@@ -82,9 +82,9 @@ class TrackerInLoop(Untracked):
         """Give the tracker the next image and keep its result."""
         self._pose = pose
         self._camera.follow(pose)
-        image = self._camera.region(pose, frame, self._tracker.window())
+        image = self._camera.region(pose, frame, self.tracker.window())
         before = time.perf_counter_ns()
-        track = self._tracker.update(image)
+        track = self.tracker.update(image)
         self.step_us = (time.perf_counter_ns() - before) * 1e-3
         self.ok = track.ok
         if track.ok:

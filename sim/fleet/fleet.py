@@ -10,20 +10,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.sim.camera.camera import GREEN, Camera
 from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.reward import goal
+from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, TargetView
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
 from seamark.sim.fleet.steps import Shared, copy_columns, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tables, empty_tables
-from seamark.sim.numerics.arrays import Array, Flags
+from seamark.sim.fleet.views import (
+    Found,
+    Trackers,
+    lend_camera,
+    motions_of,
+    pencils_for,
+    track_all,
+)
+from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.lanes import LANES
+from seamark.sim.numerics.lent import lend
 from seamark.sim.physics.current import grid_points, table_points
 from seamark.sim.physics.pose import read_pose
 from seamark.sim.physics.water_motion.tabulation import ROWS
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.trackers.template.tracker import TemplateTracker
 from seamark.sim.vehicles import load
 
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
@@ -83,6 +95,8 @@ class Fleet:
         self.craft: list[Craft | None] = [None] * count
         self.tables: Tables = empty_tables(_sizes(config, count, by_thrusters=by_thrusters))
         self._shared = _shared(config, tool_m, by_thrusters=by_thrusters)
+        self._trackers: Trackers | None = None  # those that a compiled loop gives their images
+        self._blurred = config.camera_exposure_s > 0.0
 
     def place(
         self,
@@ -182,20 +196,57 @@ class Fleet:
         """Give each chosen vehicle's tracker its image; nothing if the tracker is the truth."""
         if self._truth:
             return
-        motion, progress, outputs = self.tables.motion, self.tables.progress, self.tables.outputs
-        pose = np.zeros(6)
-        for i in np.flatnonzero(chosen).tolist():
-            craft, step = self.craft[i], int(progress.step[i])
-            if not isinstance(craft, World) or not read_pose(motion.state[i], pose):
-                continue
-            blurred = craft.camera.effects.exposure_s > 0.0
-            seen = np.concatenate([pose, motion.state[i, 7:13]]) if blurred else pose
-            track = craft.tracking.update if step else craft.tracking.start
-            track(seen, self._first_frame(i) + step)
-            outputs.corners[i], outputs.visible[i] = craft.tracking.corners, craft.tracking.ok
+        motions, chosen = self._motions(chosen)
+        frames, outputs = self._frames(), self.tables.outputs
+        starting = chosen & (self.tables.progress.step == 0)
+        one_by_one = starting if self._trackers else chosen
+        for i in np.flatnonzero(one_by_one).tolist():
+            tracking = self._world(i).tracking
+            seen = motions[i] if self._blurred else motions[i, :6]
+            track = tracking.start if starting[i] else tracking.update
+            track(seen, int(frames[i]))
+            outputs.corners[i], outputs.visible[i] = tracking.corners, tracking.ok
+            if starting[i]:
+                self._lend_tracker(i)
+        if self._trackers and (going := chosen & ~starting).any():
+            found = Found(outputs.corners, outputs.visible)
+            self._in_threads(track_all, going, motions, frames, self._trackers, found)
 
-    def _first_frame(self, i: int) -> int:
-        return round(float(self.tables.progress.start_s[i]) / self._dt)
+    def _world(self, i: int) -> World:
+        craft = self.craft[i]
+        if not isinstance(craft, World):
+            raise LookupError("a vehicle whose tracker is the ground truth has no camera")
+        return craft
+
+    def _lend_tracker(self, i: int) -> None:
+        """Let the compiled loop have a tracker that has just started, if it can take its like."""
+        world = self._world(i)
+        tracker = world.tracking.tracker if isinstance(world.tracking, TrackerInLoop) else None
+        if type(world.camera) is not Camera or not isinstance(tracker, TemplateTracker):
+            return
+        memory, optics = tracker.memory(), world.camera.optics
+        if self._trackers is None:
+            self._trackers = Trackers(
+                words=np.zeros((self.count, lend(memory).size), np.int64),
+                like=memory,
+                windows=np.zeros((self.count, 4), np.int64),
+                pencils=pencils_for(self.count, world.camera, (GREEN,)),
+                size=(optics.width, optics.height),
+            )
+        self._trackers.words[i], self._trackers.windows[i] = lend(memory), tracker.window()
+        lend_camera(self._trackers.pencils, i, world.camera, (GREEN,))
+
+    def _motions(self, chosen: Flags) -> tuple[Array, Flags]:
+        """Return where the chosen vehicles are and how they move, (n, 12), and whose are finite."""
+        motions, finite = np.zeros((self.count, 12)), np.zeros(self.count, np.bool_)
+        states = self.tables.motion.state
+        self._in_threads(motions_of, chosen, states, self._blurred, motions, finite)
+        return motions, finite
+
+    def _frames(self) -> Integers:
+        """Return the numbers of the present images, (n,), since the trials began."""
+        progress = self.tables.progress
+        return np.rint(progress.start_s / self._dt).astype(np.int64) + progress.step
 
     def picture(self, i: int) -> NDArray[np.uint8]:
         """Return what the camera of a vehicle sees, (H, W, 3) blue, green, red.
@@ -205,12 +256,10 @@ class Fleet:
         LookupError
             The vehicle has no camera: its tracker is the ground truth.
         """
-        craft, pose = self.craft[i], np.zeros(6)
-        if not isinstance(craft, World):
-            raise LookupError("a vehicle whose tracker is the ground truth has no camera")
+        camera, pose = self._world(i).camera, np.zeros(6)
         read_pose(self.tables.motion.state[i], pose)
         motion = np.concatenate([pose, self.tables.motion.state[i, 7:13]])
-        return craft.camera.colour(motion, self._first_frame(i) + int(self.tables.progress.step[i]))
+        return camera.colour(motion, int(self._frames()[i]))
 
     def _advance_in_contact(self, i: int) -> None:
         """Repeat a control step of a vehicle that may touch something with its own plant."""

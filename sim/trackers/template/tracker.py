@@ -16,16 +16,18 @@ from seamark.sim.trackers.template.frame_step import (
 from seamark.sim.trackers.template.level_buffers import (
     UNIT,
     Numbers,
+    PlaneStore,
     SearchSettings,
     allocate_levels,
     pack_search,
     pyramid_level,
 )
-from seamark.sim.trackers.template.patches import SMOOTH_SUM
+from seamark.sim.trackers.template.patches import SMOOTH_SUM, Matrix
 from seamark.sim.trackers.template.pyramid import MAX_LEVELS
 from seamark.sim.trackers.template.pyramid_alignment import extract_templates
 from seamark.sim.trackers.template.warps import basis, from_square, is_convex, multiply, signed_area
 
+Memory = tuple[Numbers, Numbers, Matrix, PlaneStore]  # the last arguments of `track_frame`
 _SIMPLE_WARPS = ("translation", "rt", "srt")  # warps that the coarse levels use too
 _WEIGHTS = {
     "esm": 0.5,
@@ -114,6 +116,10 @@ class TemplateTracker:
         for level in levels[1 : max(search.levels, search.second_levels)]:
             set_template(level, search.weight, search.coarse_criterion)
         self._known = (pack_search(search), *every)
+
+    def memory(self) -> Memory:
+        """Return what it has learned and keeps in mind, for compiled loops over many trackers."""
+        return self._state, *self._known
 
     def window(self) -> Window:
         """Return the box around the predicted target with the search margin, on even pixels.

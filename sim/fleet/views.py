@@ -1,0 +1,179 @@
+"""What the cameras of a fleet see, and where their trackers find the target, in compiled loops.
+
+A camera and its tracker are those of a single vehicle: their arrays are lent (`lent.py`), and the
+kernels are the same, so every pixel and corner has the same bits.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.camera import raycast, raycast_effects
+from seamark.sim.camera.camera import Camera, Pencil
+from seamark.sim.camera.rows import interleave
+from seamark.sim.camera.scene import Buffers, buffers_for
+from seamark.sim.numerics.arrays import Array, Flags, Integers
+from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.numerics.lanes import LANES
+from seamark.sim.numerics.lent import lend, recalled
+from seamark.sim.physics.pose import read_pose
+from seamark.sim.trackers.interface import Window
+from seamark.sim.trackers.template.frame_step import track_frame, unpack_state
+from seamark.sim.trackers.template.tracker import Memory
+
+Image = NDArray[np.uint8]
+
+
+class Pencils(NamedTuple):
+    """The cameras of a fleet: a row of words for each channel of each of them."""
+
+    words: Integers  # (n, channels, k)
+    like: Pencil  # of the types that the words have
+    effects: bool  # whether there are any
+
+
+class Trackers(NamedTuple):
+    """The template trackers of a fleet, and the cameras whose grey images they are given."""
+
+    words: Integers  # (n, k) of `Memory`
+    like: Memory
+    windows: Integers  # (n, 4) of the next image
+    pencils: Pencils
+    size: tuple[int, int]  # width and height of the images [px]
+
+
+class Found(NamedTuple):
+    """What the trackers of a fleet report."""
+
+    corners: Array  # (n, 8) [px] the last valid ones
+    visible: Flags  # (n,)
+
+
+def pencils_for(count: int, camera: Camera, channels: tuple[int, ...]) -> Pencils:
+    """Return a table for the cameras of `count` vehicles, of which this is one."""
+    like = camera.pencil(channels[0])
+    words = np.zeros((count, len(channels), lend(like).size), np.int64)
+    return Pencils(words, like, camera.effects.any)
+
+
+def lend_camera(pencils: Pencils, i: int, camera: Camera, channels: tuple[int, ...]) -> None:
+    """Put a vehicle's camera into the table; it must live as long as it is there."""
+    pencils.words[i] = [lend(camera.pencil(number)) for number in channels]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def motions_of(
+    first: int, last: int, chosen: Flags, states: Array, moving: bool, motions: Array, read: Flags
+) -> None:
+    """Write the poses of the chosen vehicles of some blocks, and if `moving` their velocities.
+
+    Parameters
+    ----------
+    states : (n, 13 or more)
+    motions : (n, 12)
+    read : (n,)
+        Whether a vehicle is chosen and its state finite.
+    """
+    states, motions = borrowed(states), borrowed(motions)
+    for i in range(first * LANES, min(last * LANES, chosen.size)):
+        read[i] = chosen[i] and read_pose(states[i], motions[i, :6])
+        for k in range(6):
+            motions[i, 6 + k] = states[i, 7 + k] if moving else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw(
+    words: Integers,
+    pencils: Pencils,
+    motion: Array,
+    frame: int,
+    window: Window,
+    buffers: Buffers,
+    out: Image,
+) -> None:
+    """Draw a window of one channel of one camera; `words` are those of the channel."""
+    pencil = recalled(words, pencils.like)
+    scene, channel, grain, effects = pencil
+    if pencils.effects:
+        at = (frame, window)
+        raycast_effects.draw(motion, scene, channel, grain, effects, at, buffers, out)
+    else:
+        raycast.draw(motion[:6], scene, channel, grain, frame, window, buffers, out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def draw_all(
+    first: int,
+    last: int,
+    chosen: Flags,
+    motions: Array,
+    frames: Integers,
+    pencils: Pencils,
+    out: Image,
+) -> None:
+    """Draw whole images of the chosen vehicles of some blocks.
+
+    Parameters
+    ----------
+    motions : (n, 12)
+        Poses and body velocities, as `Camera` has them.
+    frames : (n,)
+        Number of each image since the trial began.
+    out : (n, height, width, channels)
+        Channels as many as the pencils have, in their order.
+    """
+    count, height, width, channels = out.shape
+    own = buffers_for(width)
+    planes = np.empty((channels, height, width), np.uint8)
+    buffers, pencils, motions = borrowed(own), borrowed(pencils), borrowed(motions)
+    window = (0, 0, width, height)
+    for i in range(first * LANES, min(last * LANES, count)):
+        if not chosen[i]:
+            continue
+        for k in range(channels):
+            _draw(pencils.words[i, k], pencils, motions[i], frames[i], window, buffers, planes[k])
+        if channels == 1:
+            out[i, :, :, 0] = planes[0]
+        else:
+            a, b, c = planes[0].ravel(), planes[1].ravel(), planes[2].ravel()
+            interleave(a, b, c, out[i].ravel())
+    own.levels[0] = 0  # the owner of `buffers` must live until here
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def track_all(
+    first: int,
+    last: int,
+    chosen: Flags,
+    motions: Array,
+    frames: Integers,
+    trackers: Trackers,
+    found: Found,
+) -> None:
+    """Give the chosen vehicles' trackers, which have started, their next images.
+
+    Parameters are as those of `draw_all`.
+    """
+    width, height = trackers.size
+    own, sheet = buffers_for(width), np.zeros((height, width), np.uint8)
+    buffers, canvas, motions = borrowed(own), borrowed(sheet), borrowed(motions)
+    trackers, found = borrowed(trackers), borrowed(found)
+    for i in range(first * LANES, min(last * LANES, chosen.size)):
+        if not chosen[i]:
+            continue
+        box = trackers.windows[i]
+        window = (box[0], box[1], box[2], box[3])
+        pencils = trackers.pencils
+        _draw(pencils.words[i, 0], pencils, motions[i], frames[i], window, buffers, canvas)
+        state, search, levels, store = recalled(trackers.words[i], trackers.like)
+        tracked, _, _, ahead = track_frame(canvas, window, state, search, levels, store)
+        for k in range(4):
+            box[k] = ahead[k]
+        found.visible[i] = tracked
+        if tracked:
+            corners = unpack_state(state).last
+            for k in range(8):
+                found.corners[i, k] = corners[k // 2, k % 2]
+    own.levels[0], sheet[0, 0] = 0, 0  # the owners of what was borrowed must live until here
