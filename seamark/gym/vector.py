@@ -10,7 +10,16 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import DTypeLike, NDArray
 
 from seamark.gym.episodes import Episode, Episodes
-from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
+from seamark.gym.images import (
+    CORNERS,
+    DEPTH,
+    GREY,
+    IMAGE,
+    IMAGE_SIZE,
+    SEGMENTATION,
+    ObservationParts,
+)
+from seamark.gym.spaces import STATE, THRUSTERS, VELOCITY, Actions, observation_space
 from seamark.gym.vehicle import REFERENCE, TRUE_COLUMNS
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
@@ -23,16 +32,18 @@ from seamark.sim.registry import TRUTH
 from seamark.sim.vehicles import own
 
 Array = NDArray[Any]  # float64, or float32 if the environment is made so
+Observation = Array | dict[str, Array]
 Info = dict[str, Any]
 _COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
 
-class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
+class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
     """Vehicles that do not meet, each as in `StationKeepingEnv`, with the same bits.
 
     `reset(seed=N)` gives the vehicles the seeds N, N + 1, and so on. One compiled call simulates a
-    control step of all of them, on as many threads as Numba has. With the tracker "truth" no image
-    is rendered; with any other each vehicle has a camera and a tracker, one after the other.
+    control step of all of them, one draws their images and one tracks their targets, on as many
+    threads as there are cores. With the tracker "truth" no image is rendered for it; trackers other
+    than the template tracker get theirs one after the other.
     """
 
     def __init__(  # noqa: PLR0913  # one argument per option
@@ -47,12 +58,15 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         threads: int | None = None,
         dtype: DTypeLike = np.float64,
         normalise_actions: bool = False,
+        observation: str = STATE,
+        image_size: tuple[int, int] = IMAGE_SIZE,
+        channels: str = GREY,
     ) -> None:
         """Set up the environment.
 
         Parameters
         ----------
-        settings, action, dtype, normalise_actions
+        settings, action, dtype, normalise_actions, observation, image_size, channels
             As of `StationKeepingEnv`.
         autoreset_mode
             "NextStep", "SameStep" or "Disabled"; see `step`.
@@ -64,8 +78,8 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         ConfigurationInvalid, VehicleInvalid
             A setting, or the file of a vehicle, is not valid.
         ValueError
-            There is no such action, render mode or autoreset mode, or a setting needs the single
-            environment.
+            There is no such action, observation, render mode or autoreset mode, or a setting
+            needs the single environment.
         """
         if num_envs < 1:
             raise ValueError(f"num_envs must be at least 1, not {num_envs}")
@@ -81,7 +95,10 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             "render_fps": round(1.0 / config.control_period_s),
             "autoreset_mode": self._mode,
         }
-        self.single_observation_space = observation_space(config, dtype)
+        packed = observation_space(config, dtype)
+        self._dtype = packed.dtype
+        self._shown = ObservationParts(config, observation, image_size, channels)
+        self.single_observation_space = self._shown.space(packed)
         self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
         self.single_action_space = self._actions.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -92,6 +109,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             tool_m=self._experiment.tool_m(config),
             by_thrusters=action == THRUSTERS,
             threads=threads,
+            images=self._shown.images,
         )
         self._with_camera = config.tracker != TRUTH or render_mode is not None
         self._episodes = [Episodes(self._experiment, config) for _ in range(num_envs)]
@@ -103,7 +121,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Array, Info]:
+    ) -> tuple[Observation, Info]:
         """Begin the next level of each vehicle; with seeds, the first of the run with that seed.
 
         `options` may have `trial` and `level`, and `reset_mask`, (n,): which vehicles are reset.
@@ -125,13 +143,13 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         self._placed = True
         return self._begin(chosen, begun)
 
-    def _begin_next(self, chosen: Flags) -> tuple[Array, Info]:
+    def _begin_next(self, chosen: Flags) -> tuple[Observation, Info]:
         """Put the chosen vehicles at the start of their next levels."""
         return self._begin(
             chosen, {i: self._episodes[i].next() for i in np.flatnonzero(chosen).tolist()}
         )
 
-    def _begin(self, chosen: Flags, begun: Mapping[int, Episode]) -> tuple[Array, Info]:
+    def _begin(self, chosen: Flags, begun: Mapping[int, Episode]) -> tuple[Observation, Info]:
         info: Info = {}
         for i, episode in begun.items():
             self._place(i, episode)
@@ -147,15 +165,20 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         if config.start_error_px:
             random = streams(episode.seed, episode.trial, episode.level)
             error = draw_start_error(config.start_error_px, random).reshape(8)
+        camera = None
+        if images := self._shown.images:
+            optics = images.optics
+            camera = self._experiment.camera(config, seed=episode.seed, optics=optics, **place)
         self._fleet.place(
             i,
             make(config, seed=episode.seed, **place),
             start_s=episode.position * config.level_duration_s,
             trial_level=(episode.trial, episode.level),
             start_error=error,
+            camera=camera,
         )
 
-    def step(self, actions: Array) -> tuple[Array, Array, Flags, Flags, Info]:
+    def step(self, actions: Array) -> tuple[Observation, Array, Flags, Flags, Info]:
         """Simulate one control period of every vehicle.
 
         A vehicle whose episode is over begins its next level as `autoreset_mode` says: at the next
@@ -189,7 +212,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         over = self._over.copy()
         last, final = self._observations(), np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(over).tolist():
-            final[i] = last[i]
+            final[i] = {key: last[key][i] for key in last} if isinstance(last, dict) else last[i]
         mask = {name: over.copy() for name in ended if name.startswith("_")}
         _, begun = self._begin_next(over)
         return (
@@ -199,9 +222,20 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             | {"final_info": ended | mask, "_final_info": over.copy()}
         )
 
-    def _observations(self) -> Array:
-        observation: Array = self._fleet.tables.outputs.observation
-        return observation.astype(self.single_observation_space.dtype)
+    def _observations(self) -> Observation:
+        parts: dict[str, Array] = {}
+        if STATE in self._shown.names:
+            parts[STATE] = self._fleet.tables.outputs.observation.astype(self._dtype)
+        if CORNERS in self._shown.names:
+            parts[CORNERS] = self._fleet.seen_corners().astype(self._dtype)
+        if self._shown.images is not None:
+            images = self._fleet.images
+            parts[IMAGE] = images.newest.copy()
+            if images.surveys is not None:
+                parts[DEPTH] = images.surveys.depth[..., None].copy()
+                parts[SEGMENTATION] = images.surveys.labels[..., None].copy()
+        shown: Observation = self._shown.of(parts)
+        return shown
 
     def _truth(self, known: Flags) -> Info:
         """Return the truth of the vehicles as `info` has it, for those in the mask."""

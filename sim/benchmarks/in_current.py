@@ -4,6 +4,7 @@ from typing import Any, Generic, TypeVar
 
 from seamark.sim.camera.bottom.painter import Tiles
 from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.target import Target
 from seamark.sim.camera.water import Water
 from seamark.sim.control.observation import arm_size, layout
@@ -172,14 +173,23 @@ class InCurrent(Generic[Settings]):
         )
         return conditions, random
 
-    def camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
-        """Return the camera of a level."""
+    def camera(
+        self,
+        config: Settings,
+        *,
+        seed: int,
+        trial: int,
+        level: int,
+        optics: Optics | None = None,
+    ) -> Camera:
+        """Return the camera of a level; with other optics than its own if they are given."""
         here = self.at(config, seed=seed, trial=trial, level=level)
         course = self.course(config, seed=seed, trial=trial, level=level)
         return build_camera(
             here,
             self.water(here, seed=seed, trial=trial),
             noise_seed=draw_noise_seed(streams(seed, trial, level)),
+            optics=optics,
             target=self.target(config, seed=seed, trial=trial),
             workpiece=self.workpiece(config, seed=seed, trial=trial, level=level),
             bottom=self.bottom(config, seed=seed, trial=trial, level=level),

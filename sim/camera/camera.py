@@ -14,6 +14,7 @@ from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.rows import CHUNK, interleave
 from seamark.sim.camera.scene import Channel, Scene, SensorNoise, buffers_for
 from seamark.sim.camera.seabed import SEABED_SEED, seabed
+from seamark.sim.camera.survey import Survey, survey
 from seamark.sim.camera.target import Target, box_texture
 from seamark.sim.camera.water import Water
 from seamark.sim.numerics.compilation import SameTypes
@@ -163,6 +164,13 @@ class Camera:
         red, green, blue = (plane.ravel() for plane in planes)
         interleave(blue, green, red, image.ravel())
         return image
+
+    def survey(self, pose: NDArray[np.float64]) -> Survey:
+        """Return depth and label of each pixel, without water."""
+        out = Survey(np.empty(self._canvas.shape, np.float32), np.empty_like(self._canvas))
+        self._pose[:] = pose[:6]
+        survey(self._pose, self._scene, out)
+        return out
 
     def top_corners(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return where the top face's corners are, (4, 3) [m] NED, in the order of `corners`."""

@@ -50,7 +50,7 @@ def noise_start(seed: int, frame: int, row: int, channel: int) -> int:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _seabed_map(
+def seabed_map(
     depth: float, rotation: Array, centre: Array, intrinsics: Array, g: Array
 ) -> tuple[int, int]:
     """Write the seabed's homography relative to the texel below the camera; return that texel."""
@@ -102,7 +102,7 @@ def view_from(pose: Array, scene: Scene, attenuation: float, window: Window) -> 
     centre = np.empty(3)
     camera_pose(pose, scene.mount, rotation, centre)
     g = np.empty((3, 3))
-    north, east = _seabed_map(scene.seabed_m, rotation, centre, scene.intrinsics, g)
+    north, east = seabed_map(scene.seabed_m, rotation, centre, scene.intrinsics, g)
     return View(
         g,
         north - rows.BIAS,

@@ -15,7 +15,7 @@ from seamark.sim.control.observation import COMMAND, SEARCH_NUMBERS, empty
 from seamark.sim.engine.arm_in_loop import ArmInLoop
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.dock_in_loop import DockInLoop
-from seamark.sim.engine.images_in_loop import Exposure, ImagesInLoop
+from seamark.sim.engine.images_in_loop import Exposure, images_of_program
 from seamark.sim.engine.perception import (
     LevelConstants,
     Moving,
@@ -98,7 +98,7 @@ class ClosedLoop:
         self._search = self._search_from(of_arm.stop)
         self._route = self._route_from(of_arm.stop)
         self._dock = self._dock_from(of_arm.stop)
-        self.images = ImagesInLoop(world) if cameras else None
+        self.images = images_of_program(world) if cameras else None
         self._step_us = 0.0
         self._constants = LevelConstants(
             trial=trial,
@@ -235,6 +235,10 @@ class ClosedLoop:
             plant.advance(step, autopilot.thrusters(plant), 1)
             contact_n += plant.contact_force()
         self._contact_n = contact_n / steps
+
+    def seen_corners(self) -> tuple[Row, bool]:
+        """Return the tracked corners that have arrived, (8,) [px], and whether they are valid."""
+        return self._seen.corners, self._seen.ok
 
     def motion(self) -> Row:
         """Return what an image depends on: pose and velocity, (12,), an arm and its workpiece."""

@@ -5,7 +5,8 @@ The sonar counts as a camera.
 
 import math
 from collections import deque
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,13 @@ from seamark.sim.engine.program import ImageProgram
 from seamark.sim.engine.world import World
 from seamark.sim.numerics.arrays import Array
 
+Source = Callable[[Array, int], NDArray[Any] | None]  # of motion and frame
 PERIOD_S = 0.1  # E: enough to servo a wrist by; each image costs the time of several control steps
+
+
+def period_steps(control_period_s: float) -> int:
+    """Return how many control steps pass from one image to the next."""
+    return max(1, round(PERIOD_S / control_period_s))
 
 
 class Exposure(NamedTuple):
@@ -37,12 +44,10 @@ class ImagesInLoop:
     it arrives.
     """
 
-    def __init__(self, world: World) -> None:
-        """Set up the cameras of a level that its configuration asks for."""
-        self._camera, self._sonar = world.camera, world.sonar
-        self._names = world.config.cameras_of_program()
-        self._every = max(1, round(PERIOD_S / world.config.control_period_s))
-        self._late = world.conditions.camera_delay_steps
+    def __init__(self, sources: Mapping[str, Source], *, control_period_s: float, late: int) -> None:
+        """Take what renders the image of each camera, and by how many control steps it is late."""
+        self._sources, self._late = sources, late
+        self._every = period_steps(control_period_s)
         self._under_way: deque[Exposure] = deque()
         self.newest: Images = {}
         self.t = 0.0  # [s] at which they were taken
@@ -56,7 +61,7 @@ class ImagesInLoop:
         self._new = now.step == 0 or now.step >= arrival
         if self._new:
             taken = self._under_way.popleft()
-            self.newest = {name: self._render(name, taken) for name in self._names}
+            self.newest = {name: _kept(render, taken) for name, render in self._sources.items()}
             self.t = taken.t
 
     def show_to(self, program: ImageProgram) -> None:
@@ -64,15 +69,28 @@ class ImagesInLoop:
         if self._new:
             program.show(self.newest)
 
-    def _render(self, name: str, taken: Exposure) -> NDArray[np.uint8]:
+
+def _kept(render: Source, taken: Exposure) -> NDArray[Any]:
+    image = render(taken.motion, taken.frame)
+    assert image is not None  # noqa: S101 - there is an arm's camera, as the settings are checked
+    image.flags.writeable = False
+    return image
+
+
+def images_of_program(world: World) -> ImagesInLoop:
+    """Return the images of the cameras that the configuration of a level asks for."""
+    sources: dict[str, Source] = {}
+    for name in world.config.cameras_of_program():
         if name == ARM_CAMERA:
-            assert isinstance(self._camera, ArmCamera)  # noqa: S101 - as the settings are checked
-            image = self._camera.grey_on_arm(taken.motion, taken.frame)
-            assert image is not None  # noqa: S101 - as before
+            assert isinstance(world.camera, ArmCamera)  # noqa: S101 - as the settings are checked
+            sources[name] = world.camera.grey_on_arm
         elif name == SONAR:
-            assert self._sonar is not None  # noqa: S101 - as before
-            image = self._sonar.image(taken.motion, taken.frame)
+            assert world.sonar is not None  # noqa: S101 - as before
+            sources[name] = world.sonar.image
         else:
-            image = self._camera.grey(taken.motion, taken.frame)
-        image.flags.writeable = False
-        return image
+            sources[name] = world.camera.grey
+    return ImagesInLoop(
+        sources,
+        control_period_s=world.config.control_period_s,
+        late=world.conditions.camera_delay_steps,
+    )

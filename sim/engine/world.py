@@ -183,6 +183,7 @@ def build_camera(
     water: Water,
     *,
     noise_seed: int,
+    optics: Optics | None = None,
     target: Target | None = None,
     workpiece: Workpiece | None = None,
     bottom: Tiles | None = None,
@@ -191,12 +192,12 @@ def build_camera(
 ) -> Camera:
     """Return the camera above the target: the part of a world that renders images.
 
-    `target` is used instead of that of the settings; `workpiece` is what the arm works on, and
+    `optics` and `target` are used instead of those of the settings; `workpiece` is what the arm works on, and
     `bottom` the seabed that a camera beside an arm sees, if it is not the plain one; `pipe` is what
     lies on the bottom where one is followed, `dock` what stands around the target.
     """
-    configured, optics = target_and_optics(config)
-    target = target or configured
+    configured, usual = target_and_optics(config)
+    target, optics = target or configured, optics or usual
     arm, effects = config.chosen_arm(), _effects(config)
     if pipe is not None:
         return PipeCamera(optics, water, target, pipe, noise_seed=noise_seed)

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from seamark.sim.camera.camera import GREEN, Camera
 from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.target import start_pose
+from seamark.sim.engine.images_in_loop import period_steps
 from seamark.sim.engine.reward import goal
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, TargetView
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
+from seamark.sim.fleet.images import FleetImages, ImageKind
 from seamark.sim.fleet.steps import Shared, copy_columns, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tables, empty_tables
 from seamark.sim.fleet.views import (
@@ -67,6 +69,7 @@ class Fleet:
         tool_m: tuple[float, float] | None,
         by_thrusters: bool,
         threads: int | None = None,
+        images: ImageKind | None = None,
     ) -> None:
         """Set up a fleet; its vehicles begin when they are placed.
 
@@ -78,6 +81,8 @@ class Fleet:
             Whether actions are commands of the thrusters.
         threads
             At most so many; None: one per core. A thread has at least `LEAST_PER_THREAD` vehicles.
+        images
+            What `images` are like; None: there are none.
 
         Raises
         ------
@@ -97,6 +102,14 @@ class Fleet:
         self._shared = _shared(config, tool_m, by_thrusters=by_thrusters)
         self._trackers: Trackers | None = None  # those that a compiled loop gives their images
         self._blurred = config.camera_exposure_s > 0.0
+        self._images: FleetImages | None = None
+        if images is not None:
+            self._images = FleetImages(
+                count,
+                images,
+                every=period_steps(config.control_period_s),
+                slots=self.tables.progress.images.shape[1],
+            )
 
     def place(
         self,
@@ -106,6 +119,7 @@ class Fleet:
         start_s: float,
         trial_level: tuple[int, int],
         start_error: Array,
+        camera: Camera | None = None,
     ) -> None:
         """Put a vehicle at the start of a level.
 
@@ -115,7 +129,11 @@ class Fleet:
             Time of the trial at which the level begins.
         start_error : (8,) [px]
             Of the corners that the tracker is given.
+        camera
+            That of the images, if the fleet has them.
         """
+        if self._images is not None and camera is not None:
+            self._images.place(i, camera)
         if (old := self.craft[i]) is not None:
             old.close()
         self.craft[i] = craft
@@ -156,6 +174,7 @@ class Fleet:
         """Sense the start of a level with the chosen vehicles, (n,), just placed."""
         self._track(chosen)
         self._in_threads(sense_all, chosen, self._shared, self.tables)
+        self._take_images(chosen)
 
     def step(self, chosen: Flags, actions: Array) -> None:
         """Take the actions, (n, numbers), of the chosen vehicles and simulate a control step.
@@ -173,12 +192,33 @@ class Fleet:
             self._in_threads(sense_all, going, self._shared, self.tables)
         elif touching.any():
             self._in_threads(sense_all, touching, self._shared, self.tables)
+        self._take_images(chosen & ~self.tables.outputs.diverged)
 
     def telemetry(self, columns: NDArray[np.int64]) -> Array:
         """Return columns (k,) of the vehicles' rows of telemetry, (n, k), in a new array."""
         out = np.empty((self.count, columns.size))
         self._in_threads(copy_columns, columns, self.tables.outputs.rows, out)
         return out
+
+    @property
+    def images(self) -> FleetImages:
+        """The newest images, if the fleet has any; a step replaces them."""
+        if self._images is None:
+            raise LookupError("this fleet has no images")
+        return self._images
+
+    def seen_corners(self) -> Array:
+        """Return the corners that have arrived [px], and whether they are valid, (n, 9)."""
+        progress = self.tables.progress
+        seen = np.maximum(progress.step - progress.late[:, 0], 0) % progress.images.shape[1]
+        corners: Array = progress.images[np.arange(self.count), seen]
+        return corners
+
+    def _take_images(self, chosen: Flags) -> None:
+        if self._images is not None:
+            motions, finite = self._motions(chosen)
+            progress = self.tables.progress
+            self._images.step(finite, motions, self._frames(), progress, self._in_threads)
 
     def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
         """Call a compiled function for all vehicles, a part of them in each thread."""

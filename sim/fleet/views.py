@@ -14,6 +14,7 @@ from seamark.sim.camera import raycast, raycast_effects
 from seamark.sim.camera.camera import Camera, Pencil
 from seamark.sim.camera.rows import interleave
 from seamark.sim.camera.scene import Buffers, buffers_for
+from seamark.sim.camera.survey import Survey, survey
 from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
@@ -140,6 +141,21 @@ def draw_all(
             a, b, c = planes[0].ravel(), planes[1].ravel(), planes[2].ravel()
             interleave(a, b, c, out[i].ravel())
     own.levels[0] = 0  # the owner of `buffers` must live until here
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def survey_all(
+    first: int, last: int, chosen: Flags, motions: Array, pencils: Pencils, out: Survey
+) -> None:
+    """Write depth and labels, (n, height, width) each, of the chosen vehicles' images.
+
+    Parameters are as those of `draw_all`.
+    """
+    pencils, motions, out = borrowed(pencils), borrowed(motions), borrowed(out)
+    for i in range(first * LANES, min(last * LANES, chosen.size)):
+        if chosen[i]:
+            pencil = recalled(pencils.words[i, 0], pencils.like)
+            survey(motions[i, :6], pencil.scene, Survey(out.depth[i], out.labels[i]))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
