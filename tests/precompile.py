@@ -46,6 +46,7 @@ for options in (
     {"benchmark": "currents-v1", "settings": truth},
     {"benchmark": "currents-v2", "settings": truth, "action": "thrusters"},
     {"benchmark": "currents-v2"},
+    {"benchmark": "currents-v2", "settings": truth, "observation": "image+depth"},
 ):
     env = StationKeepingVectorEnv(num_envs=2, **options)
     env.reset(seed=0)

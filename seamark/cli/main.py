@@ -20,6 +20,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "export": ("export:export", "Write a result as Parquet, MCAP, MAT, NPZ, CSV or an archive."),
     "bridge": ("bridge:bridge", "Connect a ROS program or an autopilot to a run."),
     "replay": ("replay:replay", "Measure the log of a real mission."),
+    "track": ("track:track", "Follow a target through your own video."),
     "identify": ("identify:identify", "Fit drag and added mass of a vehicle to a log."),
     "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
     "tune": ("tune:tune", "Search for the best settings, and check them on fresh trials."),

@@ -25,6 +25,7 @@ else:
         _VecEnv = object
 
 Array = NDArray[Any]
+Observations = Any  # an array; of several parts, a dict of them
 Indices = int | Iterable[int] | None
 _SHARED = "the vehicles are rows of arrays, so they have no {what} of their own"
 
@@ -91,13 +92,14 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
         self._seed = seed
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
-    def reset(self) -> Array:
+    def reset(self) -> Observations:
         """Begin the next level of each vehicle; after a seed, the first one of its run."""
+        observations: Observations
         observations, _ = self._env.reset(seed=self._seed)
         self._seed = None
-        return np.asarray(observations)
+        return observations
 
-    def step(self, actions: Array) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
+    def step(self, actions: Array) -> tuple[Observations, Array, Array, list[dict[str, Any]]]:
         """Simulate a control step of all vehicles with their actions, (n, k)."""
         self.step_async(actions)
         return self.step_wait()
@@ -106,7 +108,7 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
         """Take the actions of the next step."""
         self._actions = actions
 
-    def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Observations, Array, Array, list[dict[str, Any]]]:
         """Return observations, rewards, whether a level is over, and infos."""
         observations, rewards, terminated, truncated, info = self._env.step(self._actions)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]

@@ -32,7 +32,7 @@ from seamark.sim.registry import TRUTH
 from seamark.sim.vehicles import own
 
 Array = NDArray[Any]  # float64, or float32 if the environment is made so
-Observation = Array | dict[str, Array]
+Observation = Any  # an array; of several parts, a dict of them
 Info = dict[str, Any]
 _COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
@@ -234,8 +234,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
             if images.surveys is not None:
                 parts[DEPTH] = images.surveys.depth[..., None].copy()
                 parts[SEGMENTATION] = images.surveys.labels[..., None].copy()
-        shown: Observation = self._shown.of(parts)
-        return shown
+        return self._shown.of(parts)
 
     def _truth(self, known: Flags) -> Info:
         """Return the truth of the vehicles as `info` has it, for those in the mask."""

@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.arm_camera import ArmCamera
@@ -44,8 +43,10 @@ class ImagesInLoop:
     it arrives.
     """
 
-    def __init__(self, sources: Mapping[str, Source], *, control_period_s: float, late: int) -> None:
-        """Take what renders the image of each camera, and by how many control steps it is late."""
+    def __init__(
+        self, sources: Mapping[str, Source], *, control_period_s: float, late: int
+    ) -> None:
+        """Take what renders each camera's image, and by how many control steps that is late."""
         self._sources, self._late = sources, late
         self._every = period_steps(control_period_s)
         self._under_way: deque[Exposure] = deque()

@@ -178,7 +178,7 @@ def program_optics(config: ExperimentSettings) -> dict[str, Optics | Device]:
     return {camera: known[camera] for camera in config.cameras_of_program()}
 
 
-def build_camera(
+def build_camera(  # noqa: PLR0913  # one for each thing that may be in view
     config: ExperimentSettings,
     water: Water,
     *,
@@ -192,9 +192,9 @@ def build_camera(
 ) -> Camera:
     """Return the camera above the target: the part of a world that renders images.
 
-    `optics` and `target` are used instead of those of the settings; `workpiece` is what the arm works on, and
-    `bottom` the seabed that a camera beside an arm sees, if it is not the plain one; `pipe` is what
-    lies on the bottom where one is followed, `dock` what stands around the target.
+    `optics` and `target` are used instead of those of the settings; `workpiece` is what the arm
+    works on, and `bottom` the seabed that a camera beside an arm sees, if it is not the plain one;
+    `pipe` is what lies on the bottom where one is followed, `dock` what stands around the target.
     """
     configured, usual = target_and_optics(config)
     target, optics = target or configured, optics or usual

@@ -163,7 +163,7 @@ def test_only_the_vehicles_in_the_mask_are_reset() -> None:
     mask = np.arange(VEHICLES) % 3 != 1
     after, _info = env.reset(options={"reset_mask": mask})
 
-    assert (np.asarray(before != after).any(axis=1) == mask).all()
+    assert ((before != after).any(axis=1) == mask).all()
 
 
 def test_gymnasium_makes_the_vector_environment_from_the_name() -> None:

@@ -1,0 +1,193 @@
+"""`seamark track`: a target in a person's own video."""
+
+from __future__ import annotations
+
+import csv
+import io
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import click
+from typing_extensions import Self
+
+from seamark.cli.console import print_json
+from seamark.cli.options import configuration_options, json_option
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from seamark.trackers import Found
+
+HEAD = ("image", "t", *(f"{axis}{k}" for k in range(4) for axis in "xy"), "ok", "residual")
+CORNERS = 4
+
+
+@click.command()
+@click.argument("video", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--corners",
+    "text",
+    metavar='"X,Y X,Y X,Y X,Y"',
+    required=True,
+    help="The target's corners in the first image [px], clockwise.",
+)
+@click.option("--tracker", default="esm", show_default=True, help="Which tracker.")
+@click.option(
+    "--first", default=0, show_default=True, metavar="N", help="The image with these corners."
+)
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.csv",
+    required=True,
+    help="File for the corners in each image; it must not exist.",
+)
+@click.option(
+    "--drawn",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.mp4",
+    help="Also write the video with the tracker's box; it must not exist.",
+)
+@configuration_options
+@json_option
+def track(  # noqa: PLR0913  # one per option
+    *,
+    video: Path,
+    text: str,
+    tracker: str,
+    first: int,
+    out: Path,
+    drawn: Path | None,
+    config: Path | None,
+    pairs: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Follow a plane target through your own video.
+
+    VIDEO is a file that OpenCV reads. The rows of the CSV file have the number of the image, its
+    time [s], the four corners x0 y0 to x3 y3 [px], whether the tracker has the target (ok) and how
+    badly it matches (residual, 0 to 2). --set gives options of the tracker, as in a benchmark's
+    configuration; docs/trackers.md explains them.
+
+    \b
+    Examples:
+      seamark track dive.mp4 --corners "211,98 302,101 300,131 209,128" --out dive.csv
+      seamark track dive.mp4 --corners "211,98 302,101 300,131 209,128" --out dive.csv \\
+        --set warp=affine --drawn dive_tracked.mp4
+    """
+    from seamark.cli.output_folder import draft_of
+
+    _refuse_outputs(out, drawn)
+    images = held = 0
+    with ExitStack() as files:
+        table = io.TextIOWrapper(files.enter_context(draft_of(out)), encoding="utf-8", newline="")
+        rows = csv.writer(table, lineterminator="\n")
+        rows.writerow(HEAD)
+        drawing = files.enter_context(_Drawing(drawn, video)) if drawn else None
+        try:
+            for found in _found(video, text, tracker, first, config, pairs):
+                images, held = images + 1, held + found.ok
+                rows.writerow(_row(found))
+                if drawing is not None:
+                    drawing.add(found)
+        except ValueError as reason:
+            raise UsageRefused(f"{video}: {str(reason).rstrip('.')}.") from None
+        table.flush()
+        table.detach()
+    if as_json:
+        print_json({"images": images, "held": held, "out": str(out)})
+    else:
+        click.echo(f"{held} of {images} images with the target. {out} written.")
+
+
+def _refuse_outputs(out: Path, drawn: Path | None) -> None:
+    for path in (out, drawn):
+        if path is not None and path.exists():
+            raise UsageRefused(f"{path} exists: choose another file, or remove it.")
+    if drawn is not None and drawn.suffix.lower() != ".mp4":
+        raise UsageRefused(f"{drawn}: give the video a name with .mp4.")
+
+
+def _found(
+    video: Path, text: str, tracker: str, first: int, config: Path | None, pairs: tuple[str, ...]
+) -> Iterator[Found]:
+    from seamark.cli.configuration import read_settings, typed
+    from seamark.sim.trackers import declaration
+    from seamark.trackers import TRACKERS
+    from seamark.trackers import track as found_in
+
+    declared = declaration(tracker).options if tracker in TRACKERS else ()
+    types = {option.name: {"type": _json_type(option.default)} for option in declared}
+    options = typed(read_settings(config, pairs), {"properties": types})
+    return found_in(video, _corners(text), tracker=tracker, first=first, **options)
+
+
+def _json_type(default: object) -> str:
+    if isinstance(default, bool):
+        return "boolean"
+    return "string" if isinstance(default, str) else "number"
+
+
+def _corners(text: str) -> list[list[float]]:
+    try:
+        corners = [[float(number) for number in pair.split(",")] for pair in text.split()]
+    except ValueError:
+        corners = []
+    if [len(pair) for pair in corners] != [2] * CORNERS:
+        raise UsageRefused(
+            f"--corners {text}: write four points, such as 211,98 302,101 300,131 209,128."
+        )
+    return corners
+
+
+def _row(found: Found) -> list[Any]:
+    numbers = [f"{number:.3f}" for number in found.corners.ravel().tolist()]
+    return [found.number, f"{found.time_s:.4f}", *numbers, int(found.ok), f"{found.residual:.4f}"]
+
+
+class _Drawing:
+    """The video with the tracker's box: green, or red at its last place if it is lost."""
+
+    def __init__(self, path: Path, video: Path) -> None:
+        import cv2
+
+        source = cv2.VideoCapture(str(video))
+        self._rate = source.get(cv2.CAP_PROP_FPS) or 25.0
+        source.release()
+        self._path = path
+        self._writer: Any = None
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def add(self, found: Found) -> None:
+        """Add an image."""
+        import cv2
+        import numpy as np
+
+        image = found.image.copy()
+        box = np.round(found.corners).astype(np.int32)[:, None]
+        cv2.polylines(image, [box], True, (0, 255, 0) if found.ok else (0, 0, 255), 2)
+        if self._writer is None:
+            size = image.shape[1], image.shape[0]
+            code = cv2.VideoWriter.fourcc(*"mp4v")
+            self._writer = cv2.VideoWriter(str(self._path), code, self._rate, size)
+            if not self._writer.isOpened():
+                raise UsageRefused(f"{self._path} cannot be written.")
+        self._writer.write(image)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the video; one that was not finished is removed."""
+        if self._writer is not None:
+            self._writer.release()
+        if error is not None:
+            self._path.unlink(missing_ok=True)
