@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -81,7 +82,7 @@ def test_a_tracker_scores_the_same_on_a_data_set_as_in_the_benchmark(
 
 @pytest.mark.slow
 def test_the_tracker_of_the_documentation_follows_a_still_target(reader_folder: Path) -> None:
-    (block,) = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
+    *_, block = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
     names: dict[str, Any] = {}
     exec(block, names)  # noqa: S102  # our own documentation
     still = {"path_swing_m": 0, "path_turn_rad": 0}
@@ -91,3 +92,21 @@ def test_the_tracker_of_the_documentation_follows_a_still_target(reader_folder: 
     result = run_trial(NAME, config, solution, seed=SEED, trial=0, on_rows=lambda _rows: None)
 
     assert result.levels[0]["p5_percent"] == 100.0  # neither it nor the target moves
+
+
+def test_the_documentation_tracks_a_video(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    block, _ = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
+    monkeypatch.chdir(tmp_path)
+    image = np.random.default_rng(1).integers(0, 255, (240, 320, 3), np.uint8)
+    writer = cv2.VideoWriter("dive.mp4", cv2.VideoWriter.fourcc(*"mp4v"), 20.0, (320, 240))
+    for _ in range(3):
+        writer.write(image)
+    writer.release()
+
+    exec(block, {})  # noqa: S102  # our own documentation
+
+    assert [line[:2] for line in capsys.readouterr().out.splitlines() if "True" in line] == [
+        *("0 ", "1 ", "2 ")
+    ]
