@@ -33,16 +33,18 @@ def test_the_gain_is_the_mean_of_the_largest_of_n_normal_values(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("repeats", [500, pytest.param(1000, marks=pytest.mark.long)])
 def test_one_submission_passes_as_better_in_a_fortieth_of_the_cases(
-    population: Population,
+    population: Population, repeats: int
 ) -> None:
     """The 95 % interval of a difference misses 0 on one side in 2.5 %."""
-    assert passes(population, 1, repeats=500) == pytest.approx(0.025, abs=0.015)
+    assert passes(population, 1, repeats=repeats) == pytest.approx(0.025, abs=0.015)
 
 
 @pytest.mark.slow
-def test_the_best_of_many_passes_more_often(population: Population) -> None:
-    assert passes(population, 35, repeats=100) > 0.15
+@pytest.mark.parametrize("repeats", [100, pytest.param(300, marks=pytest.mark.long)])
+def test_the_best_of_many_passes_more_often(population: Population, repeats: int) -> None:
+    assert passes(population, 35, repeats=repeats) > 0.15
 
 
 def test_every_measured_population_belongs_to_a_benchmark_with_fresh_trials() -> None:

@@ -55,7 +55,7 @@ ELSEWHERE = frozenset(
     {
         *("run", "rerun", "replay", "export", "plot", "tune", "up", "doctor"),
         *("db reference-entries", "db grant-worker", "mail test"),
-        *("bridge rosbridge", "bridge ardusub", "current", "identify"),
+        *("bridge rosbridge", "bridge ardusub", "current", "identify", "track"),
     }
 )  # they take long, log or need a server, and have tests that read their JSON
 

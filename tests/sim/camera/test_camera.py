@@ -104,7 +104,15 @@ def test_contrast_to_the_veil_decays_by_the_law(law: str, density: float) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("water", "heading"), [(Water.grey(0.0), 0.7), (Water.of_type("3C"), 0.0)])
+@pytest.mark.parametrize(
+    ("water", "heading"),
+    [
+        (Water.grey(0.0), 0.7),
+        (Water.of_type("3C"), 0.0),
+        pytest.param(Water.grey(0.0), 0.0, marks=pytest.mark.long),
+        pytest.param(Water.of_type("3C"), 0.7, marks=pytest.mark.long),
+    ],
+)
 def test_images_agree_with_a_slow_supersampled_renderer(
     reference: Callable[..., object], water: Water, heading: float
 ) -> None:

@@ -209,7 +209,12 @@ def _judged(images: list[Image], rows: Rows) -> Any:
     return judge
 
 
-@pytest.mark.parametrize("seed", range(20))
+def further(seeds: range) -> list[Any]:
+    """Return seeds of the long tests."""
+    return [pytest.param(seed, marks=pytest.mark.long) for seed in seeds]
+
+
+@pytest.mark.parametrize("seed", [*range(20), *further(range(20, 60))])
 def test_the_average_precision_of_random_scenes_is_that_of_coco(seed: int) -> None:
     images = _scene(seed)
     rows = rows_of(images)
@@ -228,7 +233,7 @@ def test_the_average_precision_of_random_scenes_is_that_of_coco(seed: int) -> No
             assert 0.01 * found[metric.name] == pytest.approx(value, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(60, 68))
+@pytest.mark.parametrize("seed", [*range(60, 68), *further(range(68, 80))])
 def test_coco_finds_the_same_hits_and_ignores_the_same_answers(seed: int) -> None:
     images = _scene(seed)
     rows = rows_of(images)

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Mapping
 
 from ...inside.connection import MAX_TEXT_BYTES, Connection, connected
+from .step_functions import looks_generated
 
 NATIVE = "/box/native"
 SOURCE, OBJECTS = "/tmp/source", "/tmp/objects"  # noqa: S108
@@ -24,8 +25,6 @@ PROGRAM, MESSAGES = "/tmp/program", "/tmp/messages"  # noqa: S108
 AS_NEEDED = "-Wl,--as-needed"  # a program loads only the libraries that it uses
 OURS = (f"{SOURCE}/", f"{NATIVE}/", "/usr/bin/ld: ", "collect2: error: ld returned 1 exit status\n")
 ASSEMBLY = re.compile(r"\S*/cc\w+\.s\b")  # the compiler's output for the assembler
-OF_SEAMARK = re.compile(r"\bseamark_(step|tracker_start|tracker_update|detect)\b")
-ANY_STEP = re.compile(r"\bvoid\s+(\w+)_step\s*\(")
 ERROR_LINE = re.compile(r"error:|Error:|undefined reference|multiple definition")
 EMPTY: Mapping[str, str] = {}
 
@@ -106,11 +105,6 @@ def with_adapter(connection: Connection, files: list[str]) -> list[str]:
         connection.give_up(b"s", str(reason))
     write(f"{SOURCE}/{ADAPTER}", written.encode())
     return [ADAPTER] if single else [*files, ADAPTER]
-
-
-def looks_generated(text: str) -> bool:
-    """Return whether this may be the code of a model: it has a step function, and none of ours."""
-    return OF_SEAMARK.search(text) is None and ANY_STEP.search(text) is not None
 
 
 def run(

@@ -15,7 +15,7 @@ from ...inside.port_names import (
     observation_spans,
 )
 from ...inside.wire import COMMAND, MAX_JOINTS
-from .compile_source import ANY_STEP
+from .step_functions import ANY_STEP
 
 OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
     **{"t": 0, "dt": 0, "error": 3, "error_px": 2, "target_visible": 0, "target_age": 0},

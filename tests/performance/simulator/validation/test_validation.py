@@ -146,8 +146,9 @@ def test_with_smooth_forces_the_plant_converges_with_the_fourth_order() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-def test_a_free_motion_agrees_with_the_reference(name: str) -> None:
-    difference = independent.difference(name, force=False, leg_s=2.0)
+@pytest.mark.parametrize("leg_s", [2.0, pytest.param(4.0, marks=pytest.mark.long)])
+def test_a_free_motion_agrees_with_the_reference(name: str, leg_s: float) -> None:
+    difference = independent.difference(name, force=False, leg_s=leg_s)
 
     assert difference.travelled_m > 1.0
     assert difference.position_mm < 1e-3
