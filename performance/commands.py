@@ -17,6 +17,7 @@ TABLES = {
     "physics": "simulator.physics",
     "multibody": "simulator.multibody",
     "gym": "simulator.gym",
+    "vision": "simulator.vision",
     "start": "simulator.start",
     "currents": "simulator.currents",
     "growth": "simulator.growth",

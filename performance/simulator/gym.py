@@ -67,7 +67,8 @@ def table() -> str:
     return markdown_table(_HEAD, rows)
 
 
-def _least(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> Cost:
+def least(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> Cost:
+    """Return the least cost, over several repetitions, of a vehicle's share of a call."""
     call()
     wall, cpu = [], []
     for _ in range(_REPEATS):
@@ -81,7 +82,7 @@ def _least(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> Co
 
 
 @contextmanager
-def _own_cores() -> Iterator[None]:
+def own_cores() -> Iterator[None]:
     """Give each thread of the environment a core, where other processes do not move it."""
     cores = sorted(os.sched_getaffinity(0))
     others = [thread for thread in threading.enumerate() if thread.name.startswith("fleet")]
@@ -99,8 +100,8 @@ def _fleet(threads: int) -> Cost:
     actions = np.tile([0.1, 0.1, 0.0, 0.1], (_VEHICLES, 1))  # without coming near the bottom
     env.step(actions)  # starts the threads
     try:
-        with _own_cores():
-            return _least(lambda: env.step(actions), _VEHICLES)
+        with own_cores():
+            return least(lambda: env.step(actions), _VEHICLES)
     finally:
         env.close()
 
@@ -110,7 +111,7 @@ def _single() -> Cost:
     env.reset(seed=0)
     action = np.full(4, 0.1)
     try:
-        return _least(lambda: env.step(action), 1, steps=100)
+        return least(lambda: env.step(action), 1, steps=100)
     finally:
         env.close()
 
@@ -118,7 +119,7 @@ def _single() -> Cost:
 def _mujoco() -> Cost:
     model = mujoco.MjModel.from_xml_string(MUJOCO_MODEL.format("implicitfast"))
     data = mujoco.MjData(model)
-    return _least(lambda: mujoco.mj_step(model, data, _PHYSICS_STEPS), 1, steps=1000)
+    return least(lambda: mujoco.mj_step(model, data, _PHYSICS_STEPS), 1, steps=1000)
 
 
 def _numpy() -> Cost:
@@ -156,4 +157,4 @@ def _numpy() -> Cost:
             q = q + h / 6.0 * (b1 + 2.0 * (b2 + b3) + b4)
             q = q / np.linalg.norm(q, axis=1, keepdims=True)
 
-    return _least(step, _VEHICLES, steps=2)
+    return least(step, _VEHICLES, steps=2)
