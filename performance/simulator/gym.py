@@ -9,7 +9,7 @@ level of 60 s has 1200 control steps.
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -53,6 +53,11 @@ def table() -> str:
         f"plain NumPy, {_VEHICLES} vehicles: rigid-body dynamics alone": _numpy(),
         "MuJoCo `implicitfast`: a free body in a fluid, one by one": _mujoco(),
     }
+    return compared(_HEAD, costs)
+
+
+def compared(head: Sequence[str], costs: Mapping[str, Cost]) -> str:
+    """Return the costs as a table, each relative to the first."""
     ours = next(iter(costs.values()))
     rows = (
         (
@@ -64,7 +69,7 @@ def table() -> str:
         )
         for name, cost in costs.items()
     )
-    return markdown_table(_HEAD, rows)
+    return markdown_table(head, rows)
 
 
 def least(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> Cost:

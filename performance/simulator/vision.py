@@ -17,14 +17,12 @@ import numpy as np
 import pybullet
 
 import seamark.gym  # noqa: F401  # registers the environments
-from performance.simulator.gym import Cost, least, own_cores
-from performance.tables import markdown_table
+from performance.simulator.gym import Cost, compared, least, own_cores
 from seamark.sim.camera import Camera, Optics, Target, Water, start_pose
 
 _VEHICLES = 256
 _NAME = "seamark/StationKeeping-v3"
 _SIDE = 84
-_PER_SECOND = 1e6  # us
 _HEAD = ("what runs", "a second", "wall time [µs]", "CPU time [µs]", "relative")
 _OPTICS = Optics(width=_SIDE, height=_SIDE, focal_px=514.7 * _SIDE / 480)
 _ALTITUDE_M = 2.0
@@ -48,18 +46,7 @@ def table() -> str:
         "control steps with camera and tracker, one thread": _fleet(1),
         "control steps of the single environment with camera and tracker": _single(),
     }
-    ours = next(iter(costs.values()))
-    rows = (
-        (
-            name,
-            f"{_PER_SECOND / cost.wall:,.0f}",
-            f"{cost.wall:.3g}",
-            f"{cost.cpu:.3g}",
-            f"{cost.wall / ours.wall:.1f}",
-        )
-        for name, cost in costs.items()
-    )
-    return markdown_table(_HEAD, rows)
+    return compared(_HEAD, costs)
 
 
 def _fleet(threads: int, **options: Any) -> Cost:

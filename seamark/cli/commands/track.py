@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import csv
 import io
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import click
-from typing_extensions import Self
 
 from seamark.cli.console import print_json
 from seamark.cli.options import configuration_options, json_option
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from seamark.trackers import Found
 
 HEAD = ("image", "t", *(f"{axis}{k}" for k in range(4) for axis in "xy"), "ok", "residual")
 CORNERS = 4
+USUAL_RATE = 25.0  # [1/s] of a drawn video whose source does not say
 
 
 @click.command()
@@ -86,13 +85,13 @@ def track(  # noqa: PLR0913  # one per option
         table = io.TextIOWrapper(files.enter_context(draft_of(out)), encoding="utf-8", newline="")
         rows = csv.writer(table, lineterminator="\n")
         rows.writerow(HEAD)
-        drawing = files.enter_context(_Drawing(drawn, video)) if drawn else None
+        draw = files.enter_context(_drawing(drawn, video)) if drawn else None
         try:
             for found in _found(video, text, tracker, first, config, pairs):
                 images, held = images + 1, held + found.ok
                 rows.writerow(_row(found))
-                if drawing is not None:
-                    drawing.add(found)
+                if draw is not None:
+                    draw(found)
         except ValueError as reason:
             raise UsageRefused(f"{video}: {str(reason).rstrip('.')}.") from None
         table.flush()
@@ -148,46 +147,34 @@ def _row(found: Found) -> list[Any]:
     return [found.number, f"{found.time_s:.4f}", *numbers, int(found.ok), f"{found.residual:.4f}"]
 
 
-class _Drawing:
-    """The video with the tracker's box: green, or red at its last place if it is lost."""
+@contextmanager
+def _drawing(path: Path, video: Path) -> Iterator[Callable[[Found], None]]:
+    """Provide what draws the tracker's box into a video: green, red at its last place if lost.
 
-    def __init__(self, path: Path, video: Path) -> None:
-        import cv2
+    The rate is that of the video; what was not finished is removed.
+    """
+    import cv2
+    import numpy as np
 
-        source = cv2.VideoCapture(str(video))
-        self._rate = source.get(cv2.CAP_PROP_FPS) or 25.0
-        source.release()
-        self._path = path
-        self._writer: Any = None
+    source = cv2.VideoCapture(str(video))
+    rate = source.get(cv2.CAP_PROP_FPS) or USUAL_RATE
+    source.release()
+    writer = cv2.VideoWriter()
 
-    def __enter__(self) -> Self:
-        """Begin."""
-        return self
-
-    def add(self, found: Found) -> None:
-        """Add an image."""
-        import cv2
-        import numpy as np
-
+    def draw(found: Found) -> None:
         image = found.image.copy()
+        if not writer.isOpened():
+            code, size = cv2.VideoWriter.fourcc(*"mp4v"), (image.shape[1], image.shape[0])
+            if not writer.open(str(path), code, rate, size):
+                raise UsageRefused(f"{path} cannot be written.")
         box = np.round(found.corners).astype(np.int32)[:, None]
         cv2.polylines(image, [box], True, (0, 255, 0) if found.ok else (0, 0, 255), 2)
-        if self._writer is None:
-            size = image.shape[1], image.shape[0]
-            code = cv2.VideoWriter.fourcc(*"mp4v")
-            self._writer = cv2.VideoWriter(str(self._path), code, self._rate, size)
-            if not self._writer.isOpened():
-                raise UsageRefused(f"{self._path} cannot be written.")
-        self._writer.write(image)
+        writer.write(image)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """End the video; one that was not finished is removed."""
-        if self._writer is not None:
-            self._writer.release()
-        if error is not None:
-            self._path.unlink(missing_ok=True)
+    try:
+        yield draw
+    except BaseException:
+        writer.release()
+        path.unlink(missing_ok=True)
+        raise
+    writer.release()
