@@ -105,9 +105,7 @@ class Camera:
         self._images = np.empty((len(self._points), 2))
         self._scene = self._build_scene()
         self._noise_seed = noise_seed
-        self._effect_parameters = (
-            effect_parameters(self.effects, noise_seed) if self.effects.any else None
-        )
+        self._has_effects = self.effects.any
         self._buffers = buffers_for(optics.width)
         self._channels = {GREEN: self._build_channel(GREEN)}
         self._whole = (0, 0, optics.width, optics.height)
@@ -116,6 +114,10 @@ class Camera:
         self._motion = np.zeros(12)
         self._render = SameTypes(raycast.draw)
         self._render_effects = SameTypes(raycast_effects.draw)
+
+    @cached_property
+    def _effect_parameters(self) -> EffectParameters:
+        return effect_parameters(self.effects, self._noise_seed)
 
     @cached_property
     def _grain(self) -> SensorNoise:
@@ -217,9 +219,11 @@ class Camera:
         return out
 
     def pencil(self, number: int = GREEN) -> Pencil:
-        """Return what a compiled loop over many cameras draws a channel of this one with."""
-        effects = self._effect_parameters or effect_parameters(self.effects, self._noise_seed)
-        return Pencil(self._scene, self._channel(number), self._grain, effects)
+        """Return what a compiled loop over many cameras draws a channel of this one with.
+
+        The camera keeps all its arrays.
+        """
+        return Pencil(self._scene, self._channel(number), self._grain, self._effect_parameters)
 
     def _channel(self, number: int) -> Channel:
         channel = self._channels.get(number)
@@ -266,10 +270,11 @@ class Camera:
         self._motion[6:] = 0.0
         self._motion[: len(pose)] = pose
         self._pose[:] = pose[:6]
-        scene, grain, effects = self._scene, self._grain, self._effect_parameters
-        if effects is None:
+        scene, grain = self._scene, self._grain
+        if not self._has_effects:
             self._render.call(self._pose, scene, channel, grain, frame, window, self._buffers, out)
             return
         self._render_effects.call(
-            *(self._motion, scene, channel, grain, effects, (frame, window), self._buffers, out)
+            *(self._motion, scene, channel, grain, self._effect_parameters),
+            *((frame, window), self._buffers, out),
         )

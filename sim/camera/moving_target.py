@@ -88,7 +88,7 @@ class MovingTargetCamera(Camera):
             *(self._size, self._place, float(self.target.seabed_m)),
             *(self._faces, self._corners, self._points),
         )
-        if self._effect_parameters is not None:
+        if self._has_effects:
             self._effect_parameters.drift[:2] = self._place[:2]
             self._effect_parameters.drift[2:] = pose[OWN + 3 :] if len(pose) > OWN else 0.0
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.seabed import TEXEL_M, TILE
 from tests.services.prepared import printed
 from tests.sim.oldest_processor import printed_here
@@ -177,3 +178,12 @@ def test_two_processes_render_the_same_bytes() -> None:
 
     assert len(here.strip()) == hashlib.sha256().digest_size * 2
     assert here == printed(PROGRAM)
+
+
+@pytest.mark.parametrize("effects", [None, Effects(caustics=0.2)])
+def test_a_camera_keeps_the_arrays_of_its_pencils(effects: Effects | None) -> None:
+    """A compiled loop knows them by their addresses."""
+    camera = Camera(VISIBILITY, Water(), Target(), noise_seed=1, effects=effects)
+
+    for one, other in zip(camera.pencil(0), camera.pencil(0), strict=True):
+        assert one is other

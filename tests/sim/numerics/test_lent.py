@@ -1,0 +1,54 @@
+"""Tuples that are lent to compiled code as words, and recalled there."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.numerics.lent import lend, recalled
+
+
+class Thing(NamedTuple):
+    """Of all kinds that can be lent."""
+
+    plane: NDArray[np.float32]
+    number: int
+    flag: bool
+    share: float
+
+
+Lent = tuple[tuple[Thing, NDArray[np.int64]], float]
+
+
+def lent(k: int) -> Lent:
+    plane = np.arange(6, dtype=np.float32).reshape(2, 3) * k
+    return (Thing(plane, -k, bool(k % 2), 0.25 * k), np.arange(k + 1)), 1e300 * k
+
+
+@njit
+def told(table: NDArray[np.int64], like: Any, out: NDArray[np.float64]) -> None:
+    for i in range(table.shape[0]):
+        (thing, counts), big = recalled(table[i], like)
+        out[i, 0], out[i, 1] = thing.plane[1, 2], thing.number
+        out[i, 2], out[i, 3] = 1.0 if thing.flag else 0.0, thing.share
+        out[i, 4], out[i, 5] = counts.sum(), big
+        thing.plane[0, 0] = i + 10
+
+
+def test_what_is_recalled_is_what_was_lent_and_can_be_written_to() -> None:
+    owners = [lent(k) for k in range(4)]
+    out = np.empty((4, 6))
+
+    told(np.array([lend(each) for each in owners]), owners[0], out)
+
+    for k, row in enumerate(out):
+        assert row.tolist() == [5.0 * k, -k, k % 2, 0.25 * k, sum(range(k + 1)), 1e300 * k]
+        assert owners[k][0][0].plane[0, 0] == k + 10
+
+
+@pytest.mark.parametrize("value", ["text", np.zeros((4, 4))[:, 1], (1, None)])
+def test_what_cannot_be_lent_is_refused(value: Any) -> None:
+    with pytest.raises(TypeError, match="cannot be lent"):
+        lend(value)
