@@ -1,107 +1,73 @@
-"""Observations with images: their pixels, when they come, and what is refused."""
+"""Environments with images: an observation has what a controller gets."""
 
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 
-import seamark.gym  # noqa: F401  # registers the environments
-from seamark.gym.stable_baselines import SeamarkVecEnv
-from seamark.sim.camera import Camera, Optics
+import seamark.gym  # noqa: F401 - registers the environments
+from seamark.gym.spaces import named
+from tests.seamark.gym.test_arm import COMMAND, ENVIRONMENT
+from tests.sim.engine.test_arm import SEED, SHORT, run
+from tests.sim.engine.test_images import Looking
 
-NAME = "seamark/StationKeeping-v3"
-SHORT = {"tracker": "truth", "levels": [0.2], "level_duration_s": 2.0, "settle_s": 1.0}
-PARTS = "state+corners+image+depth+segmentation"
-STEPS = 15
-
-
-def single(**options: Any) -> Any:
-    return gymnasium.make(NAME, settings=SHORT | options.pop("settings", {}), **options)
+SETTINGS = SHORT | {"images": "both", "camera_delay_steps": 2}
 
 
-def several(**options: Any) -> Any:
-    return gymnasium.make_vec(NAME, num_envs=3, settings=SHORT, **options)
+def make(**options: Any) -> gymnasium.Env[Any, Any]:
+    return gymnasium.make(ENVIRONMENT, **({"settings": SETTINGS} | options))
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"observation": "pixels"}, "observation is 'pixels', but its parts are state, corners"),
-        ({"observation": "image+image"}, "has a part twice"),
-        ({"observation": ""}, "observation is ''"),
-        ({"observation": "image", "channels": "bgr"}, "channels must be one of grey, rgb"),
-        ({"observation": "image", "image_size": (8, 84)}, "8x84 px is not within 16..4096"),
-    ],
-)
-@pytest.mark.parametrize("make", [single, several])
-def test_what_no_observation_can_be_is_refused_with_what_it_can(
-    make: Any, options: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        make(**options)
+def test_an_episode_has_the_images_that_a_controller_gets() -> None:
+    program = Looking()
+    program.command = COMMAND
+    run(program, images="both", camera_delay_steps=2)
+    with make() as env:
+        observation, _ = env.reset(seed=SEED)
+        for seen in program.kept[:20]:
+            here = named(observation, arm="alpha-like")
+            assert (here.t, here.image_t) == (seen.t, seen.image_t)
+            for camera, image in seen.images.items():
+                assert observation[f"image_{camera}"].tobytes() == image.tobytes()
+                assert here.images[camera] is observation[f"image_{camera}"]
+            observation, *_ = env.step(np.array(COMMAND))
 
 
-@pytest.mark.parametrize("observation", [PARTS, *PARTS.split("+")])
-def test_observations_are_in_their_space(observation: str) -> None:
-    for make in (single, several):
-        env = make(observation=observation, dtype="float32")
-        shown, _ = env.reset(seed=3)
-        assert env.observation_space.contains(shown)
-        for _ in range(3):
-            shown, *_ = env.step(env.action_space.sample())
-            assert env.observation_space.contains(shown)
+def test_the_space_has_the_state_and_an_image_of_each_camera_that_is_asked_for() -> None:
+    with make(settings=SETTINGS | {"images": "arm"}, dtype=np.float32) as env:
+        observation, _ = env.reset(seed=SEED)
+
+        assert env.observation_space.contains(observation)
+        assert list(observation) == ["state", "image_arm"]
+        assert observation["state"].dtype == np.float32
+        assert observation["image_arm"].shape == (240, 320)
+        assert named(observation, arm="alpha-like").joints == pytest.approx(
+            [0.0, 1.0, 2.5, 0.0, 0.3], abs=0.01
+        )
 
 
-def test_an_image_is_what_a_camera_of_its_size_sees_from_the_true_pose() -> None:
-    env = single(observation="image", image_size=(128, 96))
-    shown, info = env.reset(seed=5)
-    inside = env.unwrapped
-    usual = inside._world.camera
-    optics = Optics(width=128, height=96, focal_px=514.7 * 96 / 480, mount_m=usual.optics.mount_m)
+def test_an_image_that_a_policy_changes_is_whole_again_in_the_next_observation() -> None:
+    with make() as env:
+        observation, _ = env.reset(seed=SEED)
+        first = observation["image_arm"].copy()
+        observation["image_arm"][:] = 0
+        observation, *_ = env.step(np.array(COMMAND))
 
-    camera = Camera(optics, usual.water, usual.target, noise_seed=usual._grain.seed)
-
-    np.testing.assert_array_equal(shown[:, :, 0], camera.grey(info["pose"], 0))
+        assert observation["image_arm"].tobytes() == first.tobytes()
 
 
-def test_images_come_when_a_program_gets_them() -> None:
-    size = {"camera_width_px": 320, "camera_height_px": 240, "camera_focal_px": 257.35}
-    settings = size | {"images": "vehicle", "start_offset_m": 0.0, "altitude_m": 2.0}
-    program = single(settings=settings)
-    policy = single(settings=settings, observation="image", image_size=(320, 240))
-    given, _ = program.reset(seed=7)
-    shown, _ = policy.reset(seed=7)
-    changes = 0
-
-    for _ in range(STEPS):
-        np.testing.assert_array_equal(shown[:, :, 0], given["image_vehicle"])
-        before = shown
-        given, *_ = program.step([0.2, 0.1, 0.0, 0.1])
-        shown, *_ = policy.step([0.2, 0.1, 0.0, 0.1])
-        changes += not np.array_equal(before, shown)
-
-    assert 3 <= changes < STEPS  # the first is the only one for the time of the delay
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*:UserWarning")
+def test_the_checker_of_gymnasium_has_no_objections() -> None:
+    with make() as env:
+        check_env(env.unwrapped, skip_render_check=True)
 
 
-def test_the_target_of_a_segmentation_is_nearer_than_the_bottom() -> None:
-    env = several(observation="depth+segmentation")
-    shown, _ = env.reset(seed=1)
-
-    for depth, labels in zip(shown["depth"], shown["segmentation"], strict=True):
-        assert 10 < labels.sum() < labels.size / 4
-        assert depth[labels == 1].mean() < depth[labels == 0].mean()
-
-
-def test_stable_baselines_gets_a_dict_of_images_and_numbers() -> None:
-    env = SeamarkVecEnv(NAME, num_envs=2, settings=SHORT, observation="image+state", seed=1)
-    first = env.reset()
-
-    for _ in range(40):
-        shown, _, over, infos = env.step(np.zeros((2, 4), np.float32))
-
-    assert over.all()
-    spaces: Any = env.observation_space
-    for name, space in spaces.items():
-        assert first[name].shape == shown[name].shape == (2, *space.shape)
-        assert infos[1]["terminal_observation"][name].shape == space.shape
+def test_a_vector_of_vehicles_with_images_is_refused_with_a_sentence() -> None:
+    settings = SHORT | {"arm": "none", "images": "vehicle"}
+    with pytest.raises(ValueError, match="images of the cameras"):
+        gymnasium.make_vec(
+            ENVIRONMENT, num_envs=2, vectorization_mode="vector_entry_point", settings=settings
+        )
