@@ -48,7 +48,8 @@ class ObservationParts:
         surveyed = not {DEPTH, SEGMENTATION}.isdisjoint(self.names)
         self.images: ImageKind | None = None
         if not OF_IMAGES.isdisjoint(self.names):
-            self.images = ImageKind(optics, CHANNELS[channels], surveyed)
+            drawn = IMAGE in self.names
+            self.images = ImageKind(optics, CHANNELS[channels], drawn=drawn, surveyed=surveyed)
 
     def space(self, state: Box) -> gymnasium.Space[Any]:
         """Return the space of observations, given that of packed ones."""
@@ -57,7 +58,7 @@ class ObservationParts:
             CORNERS: Box(-np.inf, np.inf, (CORNER_NUMBERS,), state.dtype.type),
         }
         if self.images is not None:
-            optics, channels, _ = self.images
+            optics, channels = self.images.optics, self.images.channels
             size = optics.height, optics.width
             spaces |= {
                 IMAGE: Box(0, 255, (*size, len(channels)), np.uint8),

@@ -79,22 +79,20 @@ class StationKeepingEnv(VehicleEnv):
                 late=world.conditions.camera_delay_steps,
             )
 
-    @staticmethod
-    def _sources(camera: Camera, kind: ImageKind) -> dict[str, Source]:
-        """Return what renders each part of an observation that comes with an image."""
+    def _sources(self, camera: Camera, kind: ImageKind) -> dict[str, Source]:
+        """Return what renders each part of the observation that comes with an image."""
 
         def image(motion: Packed, frame: int) -> Packed:
             if kind.channels == (GREEN,):
                 return camera.grey(motion, frame)[:, :, None]
             return np.ascontiguousarray(camera.colour(motion, frame)[..., ::-1])
 
-        if not kind.surveyed:
-            return {IMAGE: image}
-        return {
+        every: dict[str, Source] = {
             IMAGE: image,
             DEPTH: lambda motion, _: camera.survey(motion).depth[:, :, None],
             SEGMENTATION: lambda motion, _: camera.survey(motion).labels[:, :, None],
         }
+        return {name: render for name, render in every.items() if name in self._shown.names}
 
     def _sense(self) -> None:
         super()._sense()

@@ -230,7 +230,8 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
             parts[CORNERS] = self._fleet.seen_corners().astype(self._dtype)
         if self._shown.images is not None:
             images = self._fleet.images
-            parts[IMAGE] = images.newest.copy()
+            if IMAGE in self._shown.names:
+                parts[IMAGE] = images.newest.copy()
             if images.surveys is not None:
                 parts[DEPTH] = images.surveys.depth[..., None].copy()
                 parts[SEGMENTATION] = images.surveys.labels[..., None].copy()

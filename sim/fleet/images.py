@@ -24,7 +24,8 @@ class ImageKind(NamedTuple):
 
     optics: Optics
     channels: tuple[int, ...]  # 0 red, 1 green, 2 blue; the grey image of trackers is the green one
-    surveyed: bool  # whether depth and labels of the pixels are wanted as well
+    drawn: bool  # whether what the camera sees is wanted
+    surveyed: bool  # whether depth and labels of the pixels are wanted
 
 
 class FleetImages:
@@ -47,7 +48,7 @@ class FleetImages:
         if kind.surveyed:
             shape = (count, height, width)
             self.surveys = Survey(np.zeros(shape, np.float32), np.zeros(shape, np.uint8))
-        self._channels, self._every = channels, every
+        self._channels, self._every, self._drawn = channels, every, kind.drawn
         self._motions = np.zeros((slots, count, 12))
         self._frames = np.zeros((slots, count), np.int64)
         self._vehicles = np.arange(count)
@@ -87,6 +88,7 @@ class FleetImages:
         then: Any = (np.maximum(taken, 0) % len(self._motions), self._vehicles)
         if (chosen & new).any():
             moved, numbers = self._motions[then], self._frames[then]
-            in_threads(draw_all, chosen & new, moved, numbers, self._pencils, self.newest)
+            if self._drawn:
+                in_threads(draw_all, chosen & new, moved, numbers, self._pencils, self.newest)
             if self.surveys is not None:
                 in_threads(survey_all, chosen & new, moved, self._pencils, self.surveys)

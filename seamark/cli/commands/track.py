@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,7 +13,7 @@ from seamark.cli.options import configuration_options, json_option
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from seamark.trackers import Found
 
@@ -35,7 +33,12 @@ USUAL_RATE = 25.0  # [1/s] of a drawn video whose source does not say
 )
 @click.option("--tracker", default="esm", show_default=True, help="Which tracker.")
 @click.option(
-    "--first", default=0, show_default=True, metavar="N", help="The image with these corners."
+    "--first",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    metavar="N",
+    help="The image with these corners.",
 )
 @click.option(
     "--out",
@@ -82,20 +85,17 @@ def track(  # noqa: PLR0913  # one per option
     _refuse_outputs(out, drawn)
     images = held = 0
     with ExitStack() as files:
-        table = io.TextIOWrapper(files.enter_context(draft_of(out)), encoding="utf-8", newline="")
-        rows = csv.writer(table, lineterminator="\n")
-        rows.writerow(HEAD)
+        table = files.enter_context(draft_of(out))
+        table.write(_line(HEAD))
         draw = files.enter_context(_drawing(drawn, video)) if drawn else None
         try:
             for found in _found(video, text, tracker, first, config, pairs):
                 images, held = images + 1, held + found.ok
-                rows.writerow(_row(found))
+                table.write(_line(_row(found)))
                 if draw is not None:
                     draw(found)
         except ValueError as reason:
             raise UsageRefused(f"{video}: {str(reason).rstrip('.')}.") from None
-        table.flush()
-        table.detach()
     if as_json:
         print_json({"images": images, "held": held, "out": str(out)})
     else:
@@ -114,20 +114,14 @@ def _found(
     video: Path, text: str, tracker: str, first: int, config: Path | None, pairs: tuple[str, ...]
 ) -> Iterator[Found]:
     from seamark.cli.configuration import read_settings, typed
-    from seamark.sim.trackers import declaration
-    from seamark.trackers import TRACKERS
+    from seamark.sim.settings.setting import property_of
+    from seamark.sim.trackers import option_names
+    from seamark.trackers import DEFAULTS
     from seamark.trackers import track as found_in
 
-    declared = declaration(tracker).options if tracker in TRACKERS else ()
-    types = {option.name: {"type": _json_type(option.default)} for option in declared}
+    types = {name: property_of(name, DEFAULTS[name]) for name in option_names(tracker)}
     options = typed(read_settings(config, pairs), {"properties": types})
     return found_in(video, _corners(text), tracker=tracker, first=first, **options)
-
-
-def _json_type(default: object) -> str:
-    if isinstance(default, bool):
-        return "boolean"
-    return "string" if isinstance(default, str) else "number"
 
 
 def _corners(text: str) -> list[list[float]]:
@@ -142,9 +136,14 @@ def _corners(text: str) -> list[list[float]]:
     return corners
 
 
-def _row(found: Found) -> list[Any]:
-    numbers = [f"{number:.3f}" for number in found.corners.ravel().tolist()]
-    return [found.number, f"{found.time_s:.4f}", *numbers, int(found.ok), f"{found.residual:.4f}"]
+def _row(found: Found) -> Iterator[str]:
+    yield from (str(found.number), f"{found.time_s:.4f}")
+    yield from (f"{number:.3f}" for number in found.corners.ravel().tolist())
+    yield from (str(int(found.ok)), f"{found.residual:.4f}")
+
+
+def _line(cells: Iterable[str]) -> bytes:
+    return (",".join(cells) + "\n").encode()
 
 
 @contextmanager
