@@ -17,10 +17,10 @@ import socket
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pkgutil import resolve_name
-from typing import NoReturn
+from typing import Any, NoReturn
 
 CLONE = {"x86_64": 56, "aarch64": 220}  # number of the system call
 CAMERA = "seamark.sim.engine.replay"
@@ -78,17 +78,11 @@ def _fork_beside() -> int:
     return int(number)
 
 
-def _be(run: Callable[[], None], request: dict[str, object], streams: list[int]) -> NoReturn:
+def _be(run: Callable[[], None], request: Mapping[str, Any], streams: list[int]) -> NoReturn:
     """Run the command as an interpreter of its own would."""
     status = _FAILED
     try:
-        for place, stream in enumerate(streams):
-            os.dup2(stream, place)
-            os.close(stream)
-        os.environ.clear()
-        os.environ.update(request["environment"])  # type: ignore[call-overload]
-        os.chdir(str(request["folder"]))
-        tempfile.tempdir = None  # it may have been read from another environment
+        settle(request, streams)
         run()
         sys.stdout.flush()
         status = 0
@@ -97,6 +91,17 @@ def _be(run: Callable[[], None], request: dict[str, object], streams: list[int])
         sys.stderr.flush()
     finally:
         os._exit(status)  # not back into the loop of the process that was forked
+
+
+def settle(request: Mapping[str, Any], streams: Sequence[int]) -> None:
+    """Take the standard streams, the environment and the folder that a request has for a fork."""
+    for place, stream in enumerate(streams):
+        os.dup2(stream, place)
+        os.close(stream)
+    os.environ.clear()
+    os.environ.update(request["environment"])
+    os.chdir(request["folder"])
+    tempfile.tempdir = None  # it may have been read from another environment
 
 
 if __name__ == "__main__":

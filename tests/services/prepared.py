@@ -161,13 +161,7 @@ def _be(request: dict[str, Any], *descriptors: int) -> NoReturn:
     """Run the program as an interpreter of its own would, and tell its exit code."""
     *streams, answer = descriptors
     os.set_inheritable(answer, False)
-    for place, stream in enumerate(streams):
-        os.dup2(stream, place)
-        os.close(stream)
-    os.environ.clear()
-    os.environ.update(request["environment"])
-    os.chdir(request["folder"])
-    tempfile.tempdir = None  # it may have been read from another environment
+    fork_server.settle(request, streams)
     sys.argv[:] = request["arguments"]
     status = _exit_code(request["program"])
     with suppress(OSError, ValueError):  # as of an interpreter at its end
