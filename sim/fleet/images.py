@@ -81,8 +81,8 @@ class FleetImages:
         in_threads
             Calls a compiled function for parts of the vehicles.
         """
-        now = progress.step % len(self._motions), self._vehicles
-        self._motions[now], self._frames[now] = motions, frames
+        now = progress.step[chosen] % len(self._motions), self._vehicles[chosen]
+        self._motions[now], self._frames[now] = motions[chosen], frames[chosen]
         taken = progress.step - progress.late[:, 0]
         new = (progress.step == 0) | ((taken > 0) & (taken % self._every == 0))
         then: Any = (np.maximum(taken, 0) % len(self._motions), self._vehicles)

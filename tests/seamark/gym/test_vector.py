@@ -166,6 +166,26 @@ def test_only_the_vehicles_in_the_mask_are_reset() -> None:
     assert ((before != after).any(axis=1) == mask).all()
 
 
+def test_images_under_way_stay_when_another_vehicle_is_reset() -> None:
+    def images(reset_at: int) -> list[Any]:
+        env = StationKeepingVectorEnv(
+            num_envs=3,
+            benchmark="currents-v2",
+            settings=TRUTH | {"levels": [0.3]},
+            observation="image",
+            autoreset_mode=AutoresetMode.DISABLED,
+        )
+        env.reset(seed=1)
+        shown = []
+        for step in range(8):
+            if step == reset_at:
+                env.reset(options={"reset_mask": np.array([True, False, False])})
+            shown.append(env.step(np.full((3, 4), 0.2))[0][1:])
+        return shown
+
+    np.testing.assert_array_equal(images(reset_at=4), images(reset_at=-1))
+
+
 def test_gymnasium_makes_the_vector_environment_from_the_name() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
