@@ -172,6 +172,7 @@ def fetch_noise(
         first = noise_start(grain.seed, noise_key[0], r, noise_key[1]) + start
         for at in range(first, first + width, WIDTH):
             prefetch(grain.bank, at)
+        prefetch(grain.bank, first + width - 1)  # rows rarely begin where a cache line does
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

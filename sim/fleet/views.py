@@ -133,13 +133,14 @@ def draw_all(
     for i in range(first * LANES, min(last * LANES, count)):
         if not chosen[i]:
             continue
+        if channels == 1:
+            image = out[i].reshape(height, width)
+            _draw(pencils.words[i, 0], pencils, motions[i], frames[i], window, buffers, image)
+            continue
         for k in range(channels):
             _draw(pencils.words[i, k], pencils, motions[i], frames[i], window, buffers, planes[k])
-        if channels == 1:
-            out[i, :, :, 0] = planes[0]
-        else:
-            a, b, c = planes[0].ravel(), planes[1].ravel(), planes[2].ravel()
-            interleave(a, b, c, out[i].ravel())
+        a, b, c = planes[0].ravel(), planes[1].ravel(), planes[2].ravel()
+        interleave(a, b, c, out[i].ravel())
     own.levels[0] = 0  # the owner of `buffers` must live until here
 
 
