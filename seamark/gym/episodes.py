@@ -62,9 +62,11 @@ class Episodes:
         return self.next()
 
     def _start(self, trial: int) -> None:
+        self._order = self._order_of(self._known_seed(), trial)
         self._trial, self._position = trial, 0
-        plan = self._experiment.plan(self._config, seed=self._known_seed(), trial=trial)
-        self._order = plan.order
+
+    def _order_of(self, seed: int, trial: int) -> tuple[int, ...]:
+        return self._experiment.plan(self._config, seed=seed, trial=trial).order
 
     def _known_seed(self) -> int:
         if self._seed is None:
@@ -81,6 +83,14 @@ class Episodes:
                 last = len(self._order) - 1
                 raise ValueError(f"level must be from 0 to {last}, not {options['level']}")
             self._position = self._order.index(options["level"])
+
+    def resume(self, episode: Episode) -> None:
+        """Go on after an episode that has begun; raises ValueError if its run has none like it."""
+        order = self._order_of(episode.seed, episode.trial)
+        if order[episode.position : episode.position + 1] != (episode.level,):
+            raise ValueError(f"the run has no such level: {episode}")
+        self._seed, self._trial, self._order = episode.seed, episode.trial, order
+        self._position = episode.position + 1
 
     def next(self) -> Episode:
         """Return the next episode.

@@ -9,6 +9,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import DTypeLike, NDArray
 
+from seamark.gym import checkpoints
+from seamark.gym.checkpoints import CheckpointInvalid, State
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.images import (
     CORNERS,
@@ -25,6 +27,7 @@ from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.fleet.fleet import Fleet
+from seamark.sim.fleet.memory import Memory, MemoryInvalid
 from seamark.sim.numerics.arrays import Flags
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.water_motion import records
@@ -34,6 +37,8 @@ from seamark.sim.vehicles import own
 Array = NDArray[Any]  # float64, or float32 if the environment is made so
 Observation = Any  # an array; of several parts, a dict of them
 Info = dict[str, Any]
+_UNPLACED = "call reset() first, for all vehicles"
+_OVER = "over"  # of a state: whether a vehicle's episode is over
 _COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
 
@@ -113,6 +118,10 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         )
         self._with_camera = config.tracker != TRUTH or render_mode is not None
         self._episodes = [Episodes(self._experiment, config) for _ in range(num_envs)]
+        self._options = checkpoints.options_of(benchmark, config, action=action)
+        images = self._fleet.images if self._shown.images is not None else None
+        self._memory = Memory(self._fleet, config, images)
+        self._begun: list[Episode | None] = [None] * num_envs
         self._placed = False
         self._over = np.zeros(num_envs, np.bool_)
 
@@ -140,7 +149,6 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
             i: self._episodes[i].begin(seeds[i], choice, self.np_random)
             for i in np.flatnonzero(chosen).tolist()
         }
-        self._placed = True
         return self._begin(chosen, begun)
 
     def _begin_next(self, chosen: Flags) -> tuple[Observation, Info]:
@@ -153,7 +161,9 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         info: Info = {}
         for i, episode in begun.items():
             self._place(i, episode)
+            self._begun[i] = episode
             info = self._add_info(info, episode.info(), i)
+        self._placed = all(self._begun)
         self._fleet.begin(chosen)
         self._over[chosen] = False
         return self._observations(), info | self._truth(chosen)
@@ -189,7 +199,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         if values.shape != self.action_space.shape:
             raise ValueError(f"actions have shape {self.action_space.shape}, not {values.shape}")
         if not self._placed:
-            raise gymnasium.error.ResetNeeded("call reset() before step()")
+            raise gymnasium.error.ResetNeeded(_UNPLACED)
         over = self._over.copy()
         if self._mode is AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded("reset the vehicles whose episodes are over")
@@ -221,6 +231,73 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
             | {"final_obs": final, "_final_obs": over.copy()}
             | {"final_info": ended | mask, "_final_info": over.copy()}
         )
+
+    def get_state(self) -> State:
+        """Return all that the future depends on, for `set_state`; see docs/training.md.
+
+        The first index of its arrays is the vehicle.
+
+        Raises
+        ------
+        ResetNeeded
+            A vehicle has never begun.
+        CheckpointInvalid
+            The trackers, or the engine of contacts, keep what nobody can copy.
+        """
+        header = checkpoints.Header(
+            checkpoints.MANY, self._options, self._episodes_begun(), self.np_random
+        )
+        try:
+            kept = self._memory.save()
+        except MemoryInvalid as error:
+            raise CheckpointInvalid(f"there is no state: {error}") from error
+        return checkpoints.written(header, {_OVER: self._over.copy(), **kept})
+
+    def set_state(
+        self, state: Mapping[str, Any], *, source: Sequence[int] | None = None
+    ) -> tuple[Observation, Info]:
+        """Go on from a state of `get_state`; return observations and info, as `reset` does.
+
+        Parameters
+        ----------
+        source : (n,)
+            The vehicle of the state that each vehicle becomes; by default the one with its number.
+            The state may then have another number of vehicles.
+
+        Raises
+        ------
+        CheckpointInvalid
+            It is no state of such an environment with the same benchmark, settings, action and
+            images, or has no such vehicles.
+        """
+        header, kept = checkpoints.read(state, checkpoints.MANY, self._options)
+        count = len(header.episodes)
+        chosen = np.arange(count) if source is None else np.array(source)
+        if chosen.shape != (self.num_envs,) or not set(chosen.tolist()) <= set(range(count)):
+            raise CheckpointInvalid(f"source needs {self.num_envs} numbers of {count} vehicles")
+        over = kept.get(_OVER, np.zeros(0))
+        if over.dtype != np.bool_ or over.shape != (count,):
+            raise CheckpointInvalid("it is not known which vehicles are at the end of their levels")
+        begun = {i: header.episodes[k] for i, k in enumerate(chosen.tolist())}
+        try:
+            self._memory.check(kept, count)
+            for i, episode in begun.items():
+                self._episodes[i].resume(episode)
+        except ValueError as error:
+            raise CheckpointInvalid(f"the state does not fit: {error}") from error
+        new = np.array([begun[i] != self._begun[i] for i in begun])
+        if new.any():
+            self._begin(new, {i: begun[i] for i in np.flatnonzero(new).tolist()})
+        self._memory.restore(kept, chosen)
+        self._over = over[chosen]
+        self.np_random = header.random
+        return self._observations(), self._truth(np.ones_like(self._over))
+
+    def _episodes_begun(self) -> list[Episode]:
+        begun = [episode for episode in self._begun if episode is not None]
+        if len(begun) < self.num_envs:
+            raise gymnasium.error.ResetNeeded(_UNPLACED)
+        return begun
 
     def _observations(self) -> Observation:
         parts: dict[str, Array] = {}

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from seamark.gym.checkpoints import Replayed, options_of
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.spaces import (
     IMAGE,
@@ -82,7 +83,7 @@ class _ThrusterLoop(ClosedLoop):
         return self._pending.pop(0)
 
 
-class VehicleEnv(gymnasium.Env[Observation, Packed]):
+class VehicleEnv(Replayed[Observation, Packed]):
     """One vehicle above its target; what a step earns is for subclasses.
 
     An episode is one level, truncated at its end. `reset(seed=N)` begins the run with seed N, the
@@ -138,6 +139,7 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
         self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
         self.action_space: gymnasium.Space[Any] = self._actions.space
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
+        self._options = options_of(benchmark, config, action=action)
         self._by_thrusters = action == THRUSTERS
         arm = config.chosen_arm()
         joints = len(arm.motors()) if arm else 0
@@ -152,9 +154,12 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next level; with a seed, the first one of the run with that seed."""
         super().reset(seed=seed)
-        self._begin(episode := self._episodes.begin(seed, options, self.np_random))
-        self._sense()
+        self._start(episode := self._episodes.begin(seed, options, self.np_random))
         return self._observation(), episode.info() | self._truth()
+
+    def _start(self, episode: Episode) -> None:
+        super()._start(episode)
+        self._sense()
 
     def _begin(self, episode: Episode) -> None:
         self.close()
@@ -194,8 +199,15 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
         An episode is terminated only if the simulation diverges, such as by an action that is not a
         number.
         """
+        commands = self._actions.commands(action)
+        if commands.shape != self.action_space.shape:
+            raise ValueError(f"an action has shape {self.action_space.shape}, not {commands.shape}")
+        result: tuple[Observation, float, bool, bool, dict[str, Any]] = self._advance(commands)
+        return result
+
+    def _take(self, numbers: Packed) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         loop = self._running
-        self._hold(self._actions.commands(action))
+        self._hold(numbers)
         try:
             loop.act(self._step, self._row)
             self._step += 1
@@ -207,8 +219,6 @@ class VehicleEnv(gymnasium.Env[Observation, Packed]):
 
     def _hold(self, action: Packed) -> None:
         """Take an action for the next control step."""
-        if action.shape != self.action_space.shape:
-            raise ValueError(f"an action has shape {self.action_space.shape}, not {action.shape}")
         joints = tuple(action[self._vehicle_actions :].tolist())
         if isinstance(self._loop, _ThrusterLoop):
             self._loop.thrust_commands[:] = action[: len(self._loop.thrust_commands)]

@@ -8,12 +8,13 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
+from seamark.gym.checkpoints import Replayed, options_of
 from seamark.gym.episodes import Episode, Episodes
 from seamark.sim import registry
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.metrics.tracking import FAR_PX
 from seamark.sim.physics.water_motion import records
-from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.recording.telemetry import INDEX, STEP_US, WIDTH
 from seamark.sim.trackers import Corners, Track, Window
 from seamark.sim.vehicles import own
 
@@ -43,7 +44,7 @@ class _Held:
         return self.answer
 
 
-class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
+class VisualTrackingEnv(Replayed[Observation, NDArray[np.float64]]):
     """The target in the images of a vehicle that moves along a given path.
 
     An episode is one level; `reset` counts them as in station keeping. An observation has the next
@@ -89,6 +90,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         low, high = np.array([-far] * CORNERS + [0.0]), np.array([far] * CORNERS + [1.0])
         self.action_space: gymnasium.Space[Any] = Box(low, high, dtype=np.float64)
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
+        self._options = options_of(benchmark, config)
         self._episodes = Episodes(self._experiment, config)
         self._wrong_cost: float = getattr(self._experiment, "wrong_cost", 0.0)
         self._loop: OpenLoop | None = None
@@ -99,7 +101,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next level; with a seed, the first one of the run with that seed."""
         super().reset(seed=seed)
-        self._begin(episode := self._episodes.begin(seed, options, self.np_random))
+        self._start(episode := self._episodes.begin(seed, options, self.np_random))
         return self._observation(), episode.info() | self._truth()
 
     def _begin(self, episode: Episode) -> None:
@@ -143,6 +145,12 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         numbers = np.asarray(action, dtype=np.float64)
         if numbers.shape != self.action_space.shape or not np.isfinite(numbers).all():
             raise ValueError(f"an action is {CORNERS + 1} finite numbers, not {action!r}")
+        result: tuple[Observation, float, bool, bool, dict[str, Any]] = self._advance(numbers)
+        return result
+
+    def _take(
+        self, numbers: NDArray[np.float64]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         corners = numbers[:CORNERS].reshape(4, 2).copy()
         self._held.answer = Track(corners, bool(numbers[CORNERS] >= 0.5), 0.0, 0)
         self._running.step(self._step, self._row)
@@ -173,8 +181,10 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
 
     @property
     def telemetry(self) -> NDArray[np.float64]:
-        """The row of telemetry of the last image that was answered."""
-        return self._row.copy()
+        """The row of telemetry of the last image that was answered, without the time that took."""
+        row = self._row.copy()
+        row[STEP_US] = 0.0
+        return row
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the present image in colour, (H, W, 3) red, green, blue."""

@@ -207,6 +207,11 @@ class Fleet:
             raise LookupError("this fleet has no images")
         return self._images
 
+    @property
+    def trackers(self) -> Trackers | None:
+        """Those that have started and are called in the compiled loop; None: there are none."""
+        return self._trackers
+
     def seen_corners(self) -> Array:
         """Return the corners that have arrived [px], and whether they are valid, (n, 9)."""
         progress = self.tables.progress

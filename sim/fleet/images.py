@@ -62,6 +62,12 @@ class FleetImages:
         self._cameras[i] = camera
         lend_camera(self._pencils, i, camera, self._channels)
 
+    def changing(self) -> dict[str, NDArray[Any]]:
+        """Return what steps change, by name: views, whose first index is the vehicle."""
+        surveys = self.surveys._asdict() if self.surveys is not None else {}
+        under_way = {"motions": self._motions.swapaxes(0, 1), "frames": self._frames.T}
+        return {"newest": self.newest} | surveys | under_way
+
     def step(
         self,
         chosen: Flags,

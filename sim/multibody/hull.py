@@ -61,6 +61,11 @@ class Hull:
             s, c = sincos(0.5 * box.yaw)
             self._state.q[7:14] = *box.centre, c, 0.0, 0.0, s
 
+    @property
+    def impulses(self) -> Array:
+        """Return those of the last step, from which the next one starts, (k, 3): a view."""
+        return self._state.impulses.contact
+
     def step(self, before: Array, after: Array, step_s: float) -> Array:
         """Return the impulse of all contacts on the hull, like `Contact.impulse`."""
         out = np.empty(6)

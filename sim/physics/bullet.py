@@ -152,6 +152,11 @@ class BulletEngine:
         turn = (0.0, 0.0, sin(0.5 * box.yaw), cos(0.5 * box.yaw))
         return self._add(shape, 0.0 if box.fixed else box.mass, box.centre, turn)
 
+    @property
+    def impulses(self) -> Array:
+        """Return none, (0, 3): Bullet keeps its own."""
+        return np.zeros((0, 3))
+
     def step(self, before: Array, after: Array, step_s: float) -> Array:
         """Return the impulse of all contacts on the hull, like `Contact.impulse`.
 

@@ -43,6 +43,11 @@ class TargetBox:
 class Engine(Protocol):
     """What computes contacts."""
 
+    @property
+    def impulses(self) -> Array:
+        """Return those of the last step, (k, 3), from which the next one starts: a view."""
+        ...
+
     def step(self, before: Array, after: Array, step_s: float) -> Array:
         """Return the impulse of all contacts on the hull, like `Contact.impulse`."""
         ...
@@ -114,14 +119,29 @@ class Contact:
             lowest = lowest_point(before, self._centres, self._halves)
             if lowest < self._top - CLEARANCE_M:
                 return np.zeros(6)
-        if self._engine is None:
-            self._engine = self._make_engine(self._vehicle, self._bottom, self._box)
-        impulse = self._engine.step(before, after, step_s)
+        engine = self._made()
+        impulse = engine.step(before, after, step_s)
         self.impulse_n_s += math.sqrt(
             impulse[0] * impulse[0] + impulse[1] * impulse[1] + impulse[2] * impulse[2]
         )
-        self.awake = self._engine.box_speed() > AWAKE_SPEED
+        self.awake = engine.box_speed() > AWAKE_SPEED
         return impulse
+
+    def _made(self) -> Engine:
+        if self._engine is None:
+            self._engine = self._make_engine(self._vehicle, self._bottom, self._box)
+        return self._engine
+
+    def impulses(self) -> Array:
+        """Return those from which the next step starts, (k, 3); none before any touch."""
+        return np.zeros((0, 3)) if self._engine is None else self._engine.impulses
+
+    def start_from(self, impulses: Array) -> None:
+        """Take impulses of an equal hull, (k or more, 3); zeros are as before any touch."""
+        if self._engine is not None or impulses.any():
+            known = self._made().impulses
+            known[:] = 0.0
+            known[: len(impulses)] = impulses[: len(known)]
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) [m] and quaternion w x y z (4,) of the box now.
