@@ -6,6 +6,9 @@ would need pickle. What is no array of numbers is JSON, in the array `header`.
 
 import importlib.metadata
 import json
+import reprlib
+import zipfile
+import zlib
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple
@@ -19,8 +22,10 @@ from seamark.gym.episodes import Episode, Episodes
 
 State = dict[str, NDArray[Any]]
 HEADER, ACTIONS, ROW = "header", "actions", "telemetry"
-SINGLE, MANY = "one environment", "a vector environment"  # kinds of what has a state
+ONE, MANY = "one", "many"  # vehicles of an environment
 _VERSION = importlib.metadata.version("seamark")
+_UNREADABLE = (ValueError, TypeError, KeyError, OverflowError, RecursionError)
+_CANNOT = (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error)  # of a broken file
 Seen = TypeVar("Seen")
 Act = TypeVar("Act")
 
@@ -32,67 +37,61 @@ class CheckpointInvalid(ValueError):
 class Header(NamedTuple):
     """What a state has beside its arrays."""
 
-    kind: str
-    options: Mapping[str, object]  # on which the future depends, by name
     episodes: Sequence[Episode]  # of each vehicle
     random: np.random.Generator
 
 
-def options_of(benchmark: str, config: Any, **others: object) -> dict[str, object]:
-    """Return the options on which the future of an environment depends, as plain JSON values."""
-    options = {"benchmark": benchmark} | config.model_dump(mode="json") | others
+def options_of(benchmark: str, config: Any, vehicles: str, **others: object) -> dict[str, object]:
+    """Return what must be the same in two environments for one to go on from the other's state."""
+    first = {"Seamark": _VERSION, "benchmark": benchmark, "vehicles": vehicles}
+    options = first | config.model_dump(mode="json") | others
     plain: dict[str, object] = json.loads(json.dumps(options))
     return plain
 
 
-def written(header: Header, arrays: Mapping[str, NDArray[Any]]) -> State:
+def written(
+    header: Header, options: Mapping[str, object], arrays: Mapping[str, NDArray[Any]]
+) -> State:
     """Return a state."""
     text = {
-        "version": _VERSION,
-        "kind": header.kind,
-        "options": header.options,
+        "options": options,
         "episodes": [astuple(episode) for episode in header.episodes],
         "random": header.random.bit_generator.state,
     }
     return {HEADER: np.array(json.dumps(text)), **arrays}
 
 
-def read(
-    state: Mapping[str, Any], kind: str, options: Mapping[str, object]
-) -> tuple[Header, State]:
+def read(state: Mapping[str, Any], options: Mapping[str, object]) -> tuple[Header, State]:
     """Return the header of a state, and its arrays.
 
     Raises
     ------
     CheckpointInvalid
-        It is no state, or that of another kind of environment, version, or with other options.
+        It is no state, or that of an environment with other options.
     """
     if not isinstance(state, Mapping) or HEADER not in state:
         raise CheckpointInvalid("this is no state of an environment: it has no header")
-    arrays = {name: np.asarray(state[name]) for name in state}
+    try:
+        arrays = {name: np.asarray(state[name]) for name in state}
+    except _CANNOT as error:
+        raise CheckpointInvalid(f"the state cannot be read: {error}") from error
     try:
         text = json.loads(str(arrays.pop(HEADER)))
-        version, of = text["version"], text["kind"]
         others: Mapping[str, object] = dict(text["options"])
-    except (ValueError, TypeError, KeyError) as error:
+    except _UNREADABLE as error:
         raise CheckpointInvalid(f"the header of the state cannot be read: {error!r}") from error
-    if of != kind:
-        raise CheckpointInvalid(f"the state is of {of}, not of {kind}")
-    if version != _VERSION:
-        raise CheckpointInvalid(f"the state is of Seamark {version}, not {_VERSION}")
-    for name in sorted({*others, *options}):
+    for name in (*options, *(others.keys() - options.keys())):
         one, other = others.get(name), options.get(name)
         if one != other:
-            raise CheckpointInvalid(
-                f"the state is of an environment with {name} {one!r}, not {other!r}"
-            )
+            told = f"{name} {reprlib.repr(one)}, not {reprlib.repr(other)}"
+            raise CheckpointInvalid(f"the state is of an environment with {told}")
     try:
         episodes = [_episode(numbers) for numbers in text["episodes"]]
         generator = np.random.Generator(np.random.PCG64())
         generator.bit_generator.state = text["random"]
-    except (ValueError, TypeError, KeyError, OverflowError) as error:
+    except _UNREADABLE as error:
         raise CheckpointInvalid(f"the header of the state cannot be read: {error!r}") from error
-    return Header(of, others, episodes, generator), arrays
+    return Header(episodes, generator), arrays
 
 
 def _episode(numbers: Sequence[int]) -> Episode:
@@ -141,10 +140,9 @@ class Replayed(gymnasium.Env[Seen, Act]):
         self._begin(episode)
 
     def _advance(self, numbers: NDArray[np.float64]) -> Any:
-        """Take an action and keep its numbers."""
-        result = self._take(numbers)
-        self._actions_taken.append(numbers.copy())
-        return result
+        """Take an action and keep its numbers: nobody may change the array afterwards."""
+        self._actions_taken.append(numbers)
+        return self._take(numbers)
 
     def get_state(self) -> State:
         """Return all that the future depends on, for `set_state`; see docs/training.md.
@@ -156,9 +154,9 @@ class Replayed(gymnasium.Env[Seen, Act]):
         """
         if self._episode is None:
             raise gymnasium.error.ResetNeeded("call reset() before get_state()")
-        header = Header(SINGLE, self._options, [self._episode], self.np_random)
-        actions = np.array(self._actions_taken, np.float64)
-        return written(header, {ACTIONS: actions, ROW: self.telemetry})
+        header = Header([self._episode], self.np_random)
+        actions = np.reshape(self._actions_taken, (-1, self._action_numbers()))
+        return written(header, self._options, {ACTIONS: actions, ROW: self.telemetry})
 
     def set_state(self, state: Mapping[str, Any]) -> tuple[Seen, dict[str, Any]]:
         """Go on from a state of `get_state`; return observation and info, as `reset` does.
@@ -169,25 +167,34 @@ class Replayed(gymnasium.Env[Seen, Act]):
         ------
         CheckpointInvalid
             It is no state of such an environment with the same benchmark, settings and action, or
-            simulating it again gave other bits.
+            simulating it again gave other bits: then the environment needs a reset.
         """
-        header, arrays = read(state, SINGLE, self._options)
-        size = self.action_space.shape[0] if self.action_space.shape else 0
-        actions = arrays.get(ACTIONS, np.zeros(1))
-        if ACTIONS not in arrays or actions.dtype != np.float64:
-            raise CheckpointInvalid("the state has no actions")
-        if len(actions) and actions.shape != (len(actions), size):
-            raise CheckpointInvalid(f"the actions of the state have shape {actions.shape}")
+        header, arrays = read(state, self._options)
+        actions, row = arrays.get(ACTIONS, np.zeros(0)), arrays.get(ROW, np.zeros(0))
+        if actions.dtype != np.float64 or actions.shape != (len(actions), self._action_numbers()):
+            raise CheckpointInvalid(
+                f"actions of type {actions.dtype} and shape {actions.shape} do not fit"
+            )
         if len(header.episodes) != 1:
-            raise CheckpointInvalid("the state has no episode")
-        self.np_random = header.random
+            raise CheckpointInvalid(f"the state has {len(header.episodes)} episodes, not one")
+        (episode,) = header.episodes
         try:
-            self._episodes.resume(header.episodes[0])
+            order = self._episodes.order_of(episode)
         except ValueError as error:
-            raise CheckpointInvalid(f"the state has no episode: {error}") from error
-        self._start(header.episodes[0])
+            raise CheckpointInvalid(f"the state does not fit: {error}") from error
+        self._episodes.resume(episode, order)
+        self._start(episode)
+        over = False
         for numbers in actions:
-            self._advance(numbers)
-        if not np.array_equal(self.telemetry, arrays.get(ROW, np.zeros(0)), equal_nan=True):
+            if over:
+                raise CheckpointInvalid("the state has actions after the end of its level")
+            _, _, terminated, truncated, _ = self._advance(numbers.copy())
+            over = terminated or truncated
+        if not np.array_equal(self.telemetry, row, equal_nan=True):
             raise CheckpointInvalid("taking the actions of the state again gave other bits")
-        return self._observation(), self._truth()
+        self.np_random = header.random
+        return self._observation(), episode.info() | self._truth()
+
+    def _action_numbers(self) -> int:
+        (size,) = self.action_space.shape or (0,)
+        return size

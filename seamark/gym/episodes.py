@@ -75,20 +75,29 @@ class Episodes:
 
     def _go_to(self, options: Mapping[str, Any]) -> None:
         if "trial" in options:
-            if not 0 <= int(options["trial"]) < 2**31:
-                raise ValueError(f"trial must be from 0 to 2147483647, not {options['trial']}")
-            self._start(int(options["trial"]))
+            self._start(_check_trial(int(options["trial"])))
         if "level" in options:
             if options["level"] not in self._order:
                 last = len(self._order) - 1
                 raise ValueError(f"level must be from 0 to {last}, not {options['level']}")
             self._position = self._order.index(options["level"])
 
-    def resume(self, episode: Episode) -> None:
-        """Go on after an episode that has begun; raises ValueError if its run has none like it."""
+    def order_of(self, episode: Episode) -> tuple[int, ...]:
+        """Return the levels of an episode's trial in their order, for `resume`.
+
+        Raises
+        ------
+        ValueError
+            The run has no such episode.
+        """
+        _check_trial(episode.trial)
         order = self._order_of(episode.seed, episode.trial)
         if order[episode.position : episode.position + 1] != (episode.level,):
             raise ValueError(f"the run has no such level: {episode}")
+        return order
+
+    def resume(self, episode: Episode, order: tuple[int, ...]) -> None:
+        """Go on after an episode that has begun."""
         self._seed, self._trial, self._order = episode.seed, episode.trial, order
         self._position = episode.position + 1
 
@@ -105,3 +114,9 @@ class Episodes:
             self._start(self._trial + 1)
         position, self._position = self._position, self._position + 1
         return Episode(seed, self._trial, self._order[position], position)
+
+
+def _check_trial(trial: int) -> int:
+    if not 0 <= trial < 2**31:
+        raise ValueError(f"trial must be from 0 to 2147483647, not {trial}")
+    return trial

@@ -15,6 +15,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 import seamark.gym  # noqa: F401  # registers the environments
+from seamark.gym.checkpoints import State
 
 if TYPE_CHECKING:
     _VecEnv: Any = object
@@ -117,6 +118,34 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
             infos[i]["terminal_observation"] = info["final_obs"][i]
             infos[i]["TimeLimit.truncated"] = bool(truncated[i])
         return observations, rewards.astype(np.float32), over, infos
+
+    def get_state(self) -> State:
+        """Return all that the future depends on, for `set_state`; see docs/training.md.
+
+        Raises
+        ------
+        NotImplementedError
+            Each vehicle has a process of its own.
+        """
+        state: State = self._in_one_process().get_state()
+        return state
+
+    def set_state(
+        self, state: Mapping[str, Any], *, source: Sequence[int] | None = None
+    ) -> Observations:
+        """Go on from a state; return observations, as `reset` does.
+
+        Parameters and errors are those of the vector environment and of `get_state`.
+        """
+        observations: Observations
+        observations, _ = self._in_one_process().set_state(state, source=source)
+        self._seed = None
+        return observations
+
+    def _in_one_process(self) -> Any:
+        if not hasattr(self._env, "get_state"):
+            raise NotImplementedError("vehicles with a process each have no state together")
+        return self._env
 
     def close(self) -> None:
         """Release the vehicles."""

@@ -9,8 +9,15 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import DTypeLike, NDArray
 
-from seamark.gym import checkpoints
-from seamark.gym.checkpoints import CheckpointInvalid, State
+from seamark.gym.checkpoints import (
+    MANY,
+    CheckpointInvalid,
+    Header,
+    State,
+    options_of,
+    read,
+    written,
+)
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.images import (
     CORNERS,
@@ -118,7 +125,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         )
         self._with_camera = config.tracker != TRUTH or render_mode is not None
         self._episodes = [Episodes(self._experiment, config) for _ in range(num_envs)]
-        self._options = checkpoints.options_of(benchmark, config, action=action)
+        self._options = options_of(benchmark, config, MANY, action=action)
         images = self._fleet.images if self._shown.images is not None else None
         self._memory = Memory(self._fleet, config, images)
         self._begun: list[Episode | None] = [None] * num_envs
@@ -244,14 +251,12 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         CheckpointInvalid
             The trackers, or the engine of contacts, keep what nobody can copy.
         """
-        header = checkpoints.Header(
-            checkpoints.MANY, self._options, self._episodes_begun(), self.np_random
-        )
+        header = Header(self._episodes_begun(), self.np_random)
         try:
             kept = self._memory.save()
         except MemoryInvalid as error:
             raise CheckpointInvalid(f"there is no state: {error}") from error
-        return checkpoints.written(header, {_OVER: self._over.copy(), **kept})
+        return written(header, self._options, {_OVER: self._over.copy(), **kept})
 
     def set_state(
         self, state: Mapping[str, Any], *, source: Sequence[int] | None = None
@@ -270,28 +275,33 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
             It is no state of such an environment with the same benchmark, settings, action and
             images, or has no such vehicles.
         """
-        header, kept = checkpoints.read(state, checkpoints.MANY, self._options)
+        header, kept = read(state, self._options)
         count = len(header.episodes)
-        chosen = np.arange(count) if source is None else np.array(source)
+        chosen = np.arange(count) if source is None else np.array(source, np.int64)
         if chosen.shape != (self.num_envs,) or not set(chosen.tolist()) <= set(range(count)):
             raise CheckpointInvalid(f"source needs {self.num_envs} numbers of {count} vehicles")
         over = kept.get(_OVER, np.zeros(0))
         if over.dtype != np.bool_ or over.shape != (count,):
             raise CheckpointInvalid("it is not known which vehicles are at the end of their levels")
         begun = {i: header.episodes[k] for i, k in enumerate(chosen.tolist())}
+        new = np.array([begun[i] != self._begun[i] for i in begun])
+        placed = np.flatnonzero(new).tolist()
         try:
-            self._memory.check(kept, count)
-            for i, episode in begun.items():
-                self._episodes[i].resume(episode)
+            self._memory.check(kept, count, going=~over)
+            orders = {i: self._episodes[i].order_of(begun[i]) for i in placed}
         except ValueError as error:
             raise CheckpointInvalid(f"the state does not fit: {error}") from error
-        new = np.array([begun[i] != self._begun[i] for i in begun])
-        if new.any():
-            self._begin(new, {i: begun[i] for i in np.flatnonzero(new).tolist()})
+        for i, order in orders.items():
+            self._episodes[i].resume(begun[i], order)
+        if placed:
+            self._begin(new, {i: begun[i] for i in placed})
+        info: Info = {}
+        for i, episode in begun.items():
+            info = self._add_info(info, episode.info(), i)
         self._memory.restore(kept, chosen)
         self._over = over[chosen]
         self.np_random = header.random
-        return self._observations(), self._truth(np.ones_like(self._over))
+        return self._observations(), info | self._truth(np.ones_like(self._over))
 
     def _episodes_begun(self) -> list[Episode]:
         begun = [episode for episode in self._begun if episode is not None]

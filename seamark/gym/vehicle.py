@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from seamark.gym.checkpoints import Replayed, options_of
+from seamark.gym.checkpoints import ONE, Replayed, options_of
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.spaces import (
     IMAGE,
@@ -139,7 +139,7 @@ class VehicleEnv(Replayed[Observation, Packed]):
         self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
         self.action_space: gymnasium.Space[Any] = self._actions.space
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
-        self._options = options_of(benchmark, config, action=action)
+        self._options = options_of(benchmark, config, ONE, action=action)
         self._by_thrusters = action == THRUSTERS
         arm = config.chosen_arm()
         joints = len(arm.motors()) if arm else 0

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
-from seamark.gym.checkpoints import Replayed, options_of
+from seamark.gym.checkpoints import ONE, Replayed, options_of
 from seamark.gym.episodes import Episode, Episodes
 from seamark.sim import registry
 from seamark.sim.engine.open_loop import OpenLoop
@@ -90,7 +90,7 @@ class VisualTrackingEnv(Replayed[Observation, NDArray[np.float64]]):
         low, high = np.array([-far] * CORNERS + [0.0]), np.array([far] * CORNERS + [1.0])
         self.action_space: gymnasium.Space[Any] = Box(low, high, dtype=np.float64)
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
-        self._options = options_of(benchmark, config)
+        self._options = options_of(benchmark, config, ONE)
         self._episodes = Episodes(self._experiment, config)
         self._wrong_cost: float = getattr(self._experiment, "wrong_cost", 0.0)
         self._loop: OpenLoop | None = None
@@ -145,7 +145,9 @@ class VisualTrackingEnv(Replayed[Observation, NDArray[np.float64]]):
         numbers = np.asarray(action, dtype=np.float64)
         if numbers.shape != self.action_space.shape or not np.isfinite(numbers).all():
             raise ValueError(f"an action is {CORNERS + 1} finite numbers, not {action!r}")
-        result: tuple[Observation, float, bool, bool, dict[str, Any]] = self._advance(numbers)
+        result: tuple[Observation, float, bool, bool, dict[str, Any]] = self._advance(
+            numbers.copy()
+        )
         return result
 
     def _take(

@@ -15,22 +15,30 @@ from seamark.sim.engine.world import World
 from seamark.sim.fleet.fleet import Fleet
 from seamark.sim.fleet.images import FleetImages
 from seamark.sim.fleet.tables import Tables
-from seamark.sim.numerics.arrays import Array, Integers
+from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.physics.contact import Contact
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
-from seamark.sim.trackers.template.frame_step import STATE_NUMBERS
+from seamark.sim.trackers.template.frame_step import next_window, unpack_state
 from seamark.sim.trackers.template.tracker import TemplateTracker
 
 Arrays = Mapping[str, NDArray[Any]]
 Views = dict[str, NDArray[Any]]
 COPIED = (TRUTH, "esm")  # trackers whose state is known; OpenCV's and ViSP's keep theirs
 _ANY = -1  # length of an axis
+_TRACKER_NUMBERS = 29  # that a template tracker changes, see `Memory._tracker`
+_SEARCH = 27  # index of the search margin among them
+_FINITE = float(np.finfo(np.float64).max)
+_LARGEST = 1e6  # [px] or without unit, of those numbers; a tracker that works stays far below
 _READING = ("slot", "readings", "measured_at", "values", "valid")  # fields that a step changes
 _ERROR = ("error", "error_px", "age_s", "visible")
 _MEASURED = ("velocity", "depth", "yaw", "yaw_rate", "fresh", "tilt", "tilt_rates")
 _ESTIMATE = ("velocity", "disturbance", "thrust")
 _HOLD = ("target", "force")
+_OUTPUTS = (  # but not `touching`, which only a step knows
+    *("corners", "visible", "rows", "observation", "reward"),
+    *("diverged", "contact_n", "pose"),
+)
 
 
 class MemoryInvalid(ValueError):
@@ -47,6 +55,9 @@ class Memory:
         self._fleet, self._images = fleet, images
         self._tracks = config.tracker != TRUTH
         self._size = config.camera_width_px, config.camera_height_px
+        options: Mapping[str, Any] = config.tracker_options()
+        self._search_px = max(options.get(name, 0.0) for name in ("search_px", "reacquire_px"))
+        self._last_frame = len(config.levels) * fleet.steps_per_level
         self._refused = ""
         if config.tracker not in COPIED:
             self._refused = f"the tracker {config.tracker} keeps what nobody can copy"
@@ -70,11 +81,14 @@ class Memory:
         )
         if self._tracks:
             every = range(self._fleet.count)
-            kept["trackers.state"] = np.array([self._tracker_state(i) for i in every])
+            kept["trackers"] = np.array([np.concatenate(self._tracker(i)) for i in every])
         return kept
 
-    def check(self, kept: Arrays, count: int) -> None:
+    def check(self, kept: Arrays, count: int, *, going: Flags) -> None:
         """Make sure that arrays are those of `count` vehicles of such a fleet.
+
+        `going`, (count,), tells whose levels are to go on. What compiled code takes for an index or
+        a number of repetitions has to be within its bounds, whoever wrote the arrays.
 
         Raises
         ------
@@ -86,12 +100,18 @@ class Memory:
             _expect(kept, name, (count, *view.shape[1:]), view.dtype)
         _expect(kept, "contacts", (count, _ANY, 3), np.float64)
         _within(kept, "progress.step", 0, self._fleet.steps_per_level)
+        if (going & (kept["progress.step"] == self._fleet.steps_per_level)).any():
+            raise MemoryInvalid("a vehicle is to go on after the end of its level")
         for name, noise in self._fleet.tables.instruments.noises._asdict().items():
             _within(kept, f"{name}.readings", 0, noise.shape[1])
+        if self._images is not None:
+            _within(kept, "images.motions", -_FINITE, _FINITE)
+            _within(kept, "images.frames", 0, self._last_frame)
         if self._tracks:
-            _expect(kept, "trackers.state", (count, STATE_NUMBERS), np.float64)
-            _expect(kept, "trackers.windows", (count, 4), np.int64)
-            _check_windows(kept["trackers.windows"], self._size)
+            _expect(kept, "trackers", (count, _TRACKER_NUMBERS), np.float64)
+            _within(kept, "trackers", -_LARGEST, _LARGEST)
+            if (kept["trackers"][:, _SEARCH] > self._search_px).any():
+                raise MemoryInvalid(f"a tracker searches farther than {self._search_px:g} px")
 
     def restore(self, kept: Arrays, source: Integers) -> None:
         """Let each vehicle be as the vehicle `source`, (n,), of arrays that were checked.
@@ -104,7 +124,7 @@ class Memory:
             if contact is not None:
                 contact.start_from(kept["contacts"][k])
             if self._tracks:
-                self._tracker_state(i)[:] = kept["trackers.state"][k]
+                self._give_tracker(i, kept["trackers"][k])
 
     def _refuse(self) -> None:
         if self._refused:
@@ -114,21 +134,34 @@ class Memory:
         found = _changing(self._fleet.tables)
         if self._images is not None:
             found |= {f"images.{name}": view for name, view in self._images.changing().items()}
-        if self._fleet.trackers is not None:
-            found["trackers.windows"] = self._fleet.trackers.windows
         return found
 
     def _contacts(self) -> list[Contact | None]:
         return [craft.contact if craft else None for craft in self._fleet.craft]
 
-    def _tracker_state(self, i: int) -> Array:
-        """Return what a tracker changes from image to image, (STATE_NUMBERS,): a view."""
+    def _tracker(self, i: int) -> tuple[Array, ...]:
+        """Return what a tracker changes from image to image, each (k,): views."""
+        state = unpack_state(self._template_tracker(i).memory()[0])
+        found = state.homography, state.motion, state.last, state.similarity, state.reach[:1]
+        return *(each.reshape(-1) for each in found), state.lost
+
+    def _give_tracker(self, i: int, numbers: Array) -> None:
+        """Let a tracker have these numbers, as `_tracker` has them, and read its next window."""
+        begin = 0
+        for view in self._tracker(i):
+            view[:] = numbers[begin : begin + view.size]
+            begin += view.size
+        if self._fleet.trackers is not None:
+            state = self._template_tracker(i).memory()[0]
+            self._fleet.trackers.windows[i] = next_window(state, *self._size)
+
+    def _template_tracker(self, i: int) -> TemplateTracker:
         world = self._fleet.craft[i]
         tracking = world.tracking if isinstance(world, World) else None
         tracker = tracking.tracker if isinstance(tracking, TrackerInLoop) else None
         if not isinstance(tracker, TemplateTracker):
             raise LookupError("a vehicle that never began has no tracker")
-        return tracker.memory()[0]
+        return tracker
 
 
 def _changing(tables: Tables) -> Views:
@@ -148,7 +181,7 @@ def _changing(tables: Tables) -> Views:
         for name, (record, fields) in records.items()
         for field in fields
     }
-    found |= {f"outputs.{name}": each for name, each in outputs._asdict().items()}
+    found |= {f"outputs.{name}": getattr(outputs, name) for name in _OUTPUTS}
     return found | {
         "motion.state": motion.state,
         "motion.command": motion.command,
@@ -171,18 +204,10 @@ def _expect(kept: Arrays, name: str, shape: tuple[int, ...], dtype: Any) -> None
         raise MemoryInvalid(f"{name} is {array.dtype} of shape {array.shape}, not {wanted}")
 
 
-def _within(kept: Arrays, name: str, least: int, most: int) -> None:
-    """Refuse numbers that would be an index out of bounds in compiled code."""
+def _within(kept: Arrays, name: str, least: float, most: float) -> None:
     array = kept[name]
     if not ((least <= array) & (array <= most)).all():
-        raise MemoryInvalid(f"{name} is not from {least} to {most}")
-
-
-def _check_windows(windows: Integers, size: tuple[int, int]) -> None:
-    for axis, length in enumerate(size):
-        first, last = windows[:, axis], windows[:, axis + 2]
-        if not ((first >= 0) & (first < last) & (last <= length)).all():
-            raise MemoryInvalid("trackers.windows is not within the image")
+        raise MemoryInvalid(f"{name} is not from {least:g} to {most:g}")
 
 
 def _joined(rows: Sequence[Array]) -> Array:

@@ -41,7 +41,6 @@ PREDICTION_ERROR_FACTOR = 4.0
 REACH_GROWTH = 1.5  # E: of the search margin, for each image without the target
 
 SEARCH, SEARCH_LIMIT, MARGIN, REACQUIRE, SEARCH_LEAST = range(5)
-STATE_NUMBERS = 44  # of a packed `TrackerState`
 
 
 class TrackerState(NamedTuple):
