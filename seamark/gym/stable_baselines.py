@@ -28,6 +28,7 @@ else:
 Array = NDArray[Any]
 Observations = Any  # an array; of several parts, a dict of them
 Indices = int | Iterable[int] | None
+Options = dict[str, Any]
 _SHARED = "the vehicles are rows of arrays, so they have no {what} of their own"
 
 
@@ -87,17 +88,28 @@ class SeamarkVecEnv(_VecEnv):  # type: ignore[misc]  # without Stable-Baselines3
         if _VecEnv is not object:
             super().__init__(num_envs, self.observation_space, self.action_space)
         self._seed = seed
+        self.set_options()
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Take the seed of the next reset; return that of each vehicle."""
         self._seed = seed
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
+    def set_options(self, options: Options | list[Options] | None = None) -> None:
+        """Take the options of the next reset, such as a trial; a list has those of each vehicle."""
+        self._options: list[Options]
+        self._options = options if isinstance(options, list) else [options or {}] * self.num_envs
+
     def reset(self) -> Observations:
         """Begin the next level of each vehicle; after a seed, the first one of its run."""
         observations: Observations
         observations, _ = self._env.reset(seed=self._seed)
+        every = [each for k, each in enumerate(self._options) if each not in self._options[:k]]
+        for options in filter(None, every):
+            chosen = {"reset_mask": np.array([each == options for each in self._options])}
+            observations, _ = self._env.reset(options=options | chosen)
         self._seed = None
+        self.set_options()
         return observations
 
     def step(self, actions: Array) -> tuple[Observations, Array, Array, list[dict[str, Any]]]:

@@ -86,6 +86,22 @@ def test_the_form_for_stable_baselines_steps_as_the_vector_environment() -> None
     ours.close()
 
 
+def test_each_vehicle_for_stable_baselines_begins_where_its_options_say() -> None:
+    ours = SeamarkVecEnv(NAME, num_envs=3, settings=TRUTH, seed=7)
+    ours.set_options([{"trial": 1}, {}, {"trial": 1}])
+    first, second = ours.reset(), ours.reset()
+
+    theirs: Any = gymnasium.make_vec(NAME, num_envs=3, settings=TRUTH, dtype=np.float32)
+    as_usual, _ = theirs.reset(seed=7)
+    elsewhere, _ = theirs.reset(options={"trial": 1})
+    np.testing.assert_array_equal(first[[0, 2]], elsewhere[[0, 2]])
+    np.testing.assert_array_equal(first[1], as_usual[1])
+    after, _ = theirs.reset()  # options are of one reset: the next one goes on in their trial
+    np.testing.assert_array_equal(second[[0, 2]], after[[0, 2]])
+    ours.close()
+    theirs.close()
+
+
 def test_seeds_and_indices_are_those_of_a_vec_env() -> None:
     env = SeamarkVecEnv(NAME, num_envs=3, settings=TRUTH)
 
