@@ -5,6 +5,7 @@ Importing this package registers them. It needs the extra `gym`.
 
 import gymnasium
 
+from seamark.gym.drawn import randomisation as randomisation
 from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 
