@@ -14,13 +14,16 @@ from numpy.typing import NDArray
 from seamark.sim.camera.geometry import map_along_row
 from seamark.sim.camera.seabed import STRIDE, TILE
 from seamark.sim.numerics.simd import (
+    WIDTH,
     f32x16,
-    gather,
+    fetch_i32,
     i32x16,
     load,
+    load_i32,
     maximum,
     minimum,
     store,
+    store_i32,
     to_f32,
     to_i32,
 )
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16, I32x16
 
 Row = NDArray[np.float32]
+Rows = NDArray[np.float32]
 Texels = NDArray[np.int32]
 
 _F = np.float32
@@ -36,6 +40,7 @@ BIAS = 4096  # [texel] keeps the coordinates positive, so that int() rounds down
 _REACH = _F(4000.0)  # [texel] 20 m: beyond it the edge of the texture is repeated
 NODE = 16  # [px] distance of the points at which the seabed's transmission is computed
 STEPS = np.arange(NODE, dtype=np.float32)[None]
+_AT_ONCE = 8  # rows of seabed; the texels of more take longer, as do those of fewer
 CHUNK = 32  # [px] loops over a multiple of this compile to whole vectors
 
 
@@ -49,7 +54,8 @@ def seabed_light(
 ) -> None:
     """Write bilinear samples [grey] of the seabed for a strip of rows.
 
-    From a pixel's position on the seabed to its grey value without intermediate arrays.
+    Few rows of sixteen columns at a time go through three loops: where the pixels are, what texels
+    are there, and their interpolation. In a single one the processor would wait for each texel.
 
     Parameters
     ----------
@@ -65,23 +71,55 @@ def seabed_light(
     row, start, width = extent
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
-    shift_u, shift_v = i32x16(shift[0]), i32x16(shift[1])
-    steps = load(STEPS, 0, 0)
-    least, far, near, bias = f32x16(1e-3), f32x16(_REACH), f32x16(-_REACH), f32x16(float(BIAS))
-    for r in range(blocks.shape[0] // across):
+    height = blocks.shape[0] // across
+    lines = np.empty((height, 3), np.float32)
+    slopes = (_F(0.0), _F(0.0), _F(0.0))
+    for r in range(height):
         a, b, w, a_slope, b_slope, w_slope = map_along_row(ground, float(row + r))
-        a0, b0, w0 = f32x16(a), f32x16(b), f32x16(w)
-        a1, b1, w1 = f32x16(a_slope), f32x16(b_slope), f32x16(w_slope)
-        for i in range(across):
-            column = f32x16(float(start + i * NODE)) + steps
-            z = f32x16(1.0) / maximum(w0 + w1 * column, least)
-            u = minimum(maximum((a0 + a1 * column) * z, near), far) + bias
-            v = minimum(maximum((b0 + b1 * column) * z, near), far) + bias
-            iu, iv = to_i32(u), to_i32(v)
-            across_tile = (iu + shift_u) & i32x16(TILE - 1)
-            down_tile = (iv + shift_v) & i32x16(TILE - 1)
-            four = gather(tile, down_tile * i32x16(STRIDE) + across_tile)
-            store(blocks, r * across + i, 0, bilinear(four, u - to_f32(iu), v - to_f32(iv)))
+        lines[r, 0], lines[r, 1], lines[r, 2] = a, b, w
+        slopes = (a_slope, b_slope, w_slope)
+    at, four = np.empty(_AT_ONCE * WIDTH, np.int32), np.empty(_AT_ONCE * WIDTH, np.int32)
+    fractions = np.empty((_AT_ONCE, 2 * WIDTH), np.float32)
+    for i in range(across):
+        column = float(start + i * NODE)
+        for first in range(0, height, _AT_ONCE):
+            some = lines[first : first + _AT_ONCE]
+            _locate(some, slopes, column, shift, at, fractions)
+            for r in range(some.shape[0]):
+                fetch_i32(tile, at, four, r * WIDTH)
+            for r in range(some.shape[0]):
+                fu, fv = load(fractions, r, 0), load(fractions, r, WIDTH)
+                value = bilinear(load_i32(four, r * WIDTH), fu, fv)
+                store(blocks, (first + r) * across + i, 0, value)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _locate(
+    lines: Rows,
+    slopes: tuple[np.float32, np.float32, np.float32],
+    start: float,
+    shift: tuple[int, int],
+    at: Texels,
+    fractions: Rows,
+) -> None:
+    """Write the texels' indices of sixteen pixels of each row, and the fractions in u and in v.
+
+    `lines` (rows, 3) and `slopes` are the map along the rows, `start` is the first column.
+    """
+    column = f32x16(start) + load(STEPS, 0, 0)
+    a1, b1, w1 = f32x16(slopes[0]) * column, f32x16(slopes[1]) * column, f32x16(slopes[2]) * column
+    shift_u, shift_v = i32x16(shift[0]), i32x16(shift[1])
+    least, far, near, bias = f32x16(1e-3), f32x16(_REACH), f32x16(-_REACH), f32x16(float(BIAS))
+    for r in range(lines.shape[0]):
+        z = f32x16(1.0) / maximum(f32x16(lines[r, 2]) + w1, least)
+        u = minimum(maximum((f32x16(lines[r, 0]) + a1) * z, near), far) + bias
+        v = minimum(maximum((f32x16(lines[r, 1]) + b1) * z, near), far) + bias
+        iu, iv = to_i32(u), to_i32(v)
+        across_tile = (iu + shift_u) & i32x16(TILE - 1)
+        down_tile = (iv + shift_v) & i32x16(TILE - 1)
+        store_i32(at, r * WIDTH, down_tile * i32x16(STRIDE) + across_tile)
+        store(fractions, r, 0, u - to_f32(iu))
+        store(fractions, r, WIDTH, v - to_f32(iv))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
