@@ -101,11 +101,11 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         config: Any = entry.read(records.resolved(own.resolved(settings or {})))
         self._config, self.num_envs, self.render_mode = config, num_envs, render_mode
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
-        self._mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             "render_modes": ["rgb_array"],
             "render_fps": round(1.0 / config.control_period_s),
-            "autoreset_mode": self._mode,
+            "autoreset_mode": self.autoreset_mode,
         }
         packed = observation_space(config, dtype)
         self._dtype = packed.dtype
@@ -208,7 +208,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         if not self._placed:
             raise gymnasium.error.ResetNeeded(_UNPLACED)
         over = self._over.copy()
-        if self._mode is AutoresetMode.DISABLED and over.any():
+        if self.autoreset_mode is AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded("reset the vehicles whose episodes are over")
         outputs, progress = self._fleet.tables.outputs, self._fleet.tables.progress
         self._fleet.step(~over, values)
@@ -220,7 +220,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         if over.any():
             _, begun = self._begin_next(over)
             info = begun | self._truth(np.ones_like(over))
-        elif self._mode is AutoresetMode.SAME_STEP and self._over.any():
+        elif self.autoreset_mode is AutoresetMode.SAME_STEP and self._over.any():
             info = self._begin_at_once(info)
         return self._observations(), rewards, terminated, truncated, info
 
