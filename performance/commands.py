@@ -75,6 +75,7 @@ OTHERS = {
     "camera_figures": "figures.camera",
     "tracker_figures": "figures.trackers",
     "training_figure": "figures.training",
+    "seconds_to_score": "figures.seconds_to_score",
     "tutorial_figure": "figures.tutorial",
     "compared_figures": "figures.compared",
     "player_figures": "figures.player",
