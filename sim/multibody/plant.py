@@ -175,8 +175,8 @@ class ArmedPlant(Plant):
         target = self._held.thrust
         if not steady_thrust(self._command, self.curve, target):
             raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
-        if self._fault_thrust.thruster >= 0:
-            target[self._fault_thrust.thruster] = self._fault_thrust.thrust
+        if self._fault.thruster >= 0:
+            target[self._fault.thruster] = self._fault.thrust[0]
         target *= self.thruster_gains
         self._gauges.sums[:] = 0.0
         span = (step * self.substeps, steps * self.substeps)

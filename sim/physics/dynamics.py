@@ -16,6 +16,7 @@ from numba import njit
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.lanes import sqrt
+from seamark.sim.numerics.lent import Lent, taken
 from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.physics.current import (
     Moving,
@@ -87,7 +88,20 @@ class Fault(NamedTuple):
     """The thruster that does not do what it is told."""
 
     thruster: int  # -1 for none
-    thrust: float  # [N]
+    thrust: Array  # (1,) [N]
+
+
+class Afloat(NamedTuple):
+    """A vehicle in its water, with commands that are held."""
+
+    state: Array  # (13 + n,), see `plant.Plant`
+    command: Array  # (n,) in [-1, 1]
+    step_s: float
+    thrusters: Thrusters
+    fault: Fault
+    body: Body
+    water: Water
+    work: Buffers
 
 
 def body_parameters(vehicle: Vehicle) -> Body:
@@ -296,25 +310,17 @@ def runge_kutta_step(
 
 
 @njit(cache=True, error_model="numpy")
-def advance_held(
-    state: Array,
-    command: Array,
-    span: Span,
-    thrusters: Thrusters,
-    fault: Fault,
-    body: Body,
-    water: Water,
-    work: Buffers,
-) -> int:
-    """Advance `state` with constant commands (n,), as `integrate`; -1 if one is not a number."""
+def advance_held(afloat: Lent[Afloat], first: int, steps: int, gate: float) -> int:
+    """Advance the state with constant commands, as `integrate`; -1 if one is not a number."""
+    state, command, step_s, thrusters, fault, body, water, work = taken(afloat)
     target = thrusters.target
     if not steady_thrust(command, thrusters.curve, target):
         return -1
     if fault.thruster >= 0:
-        target[fault.thruster] = fault.thrust
+        target[fault.thruster] = fault.thrust[0]
     for i in range(target.size):
         target[i] *= thrusters.gains[i]
-    return integrate(state, target, span, body, water, work)
+    return integrate(state, target, Span(first, steps, step_s, gate), body, water, work)
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,13 +9,14 @@ import numpy as np
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.compilation import SameTypes
+from seamark.sim.numerics.lent import Lent
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import Contact, lowest_point
 from seamark.sim.physics.current import Current, Water
 from seamark.sim.physics.dynamics import (
     RIGID,
+    Afloat,
     Fault,
-    Span,
     Thrusters,
     add_impulse,
     advance_held,
@@ -66,14 +67,24 @@ class Plant:
         self.thruster_gains = np.ones(len(vehicle.thrusters))
         if thruster_gains is not None:
             self.thruster_gains[:] = thruster_gains
-        self._fault_thrust = Fault(-1, 0.0)
+        self._fault = Fault(-1 if fault is None else fault.thruster, np.zeros(1))
         self._command = np.zeros(len(vehicle.thrusters))  # a copy, of the type that is compiled for
         self._step = 0
         self._contact_force = 0.0
         self.state = np.zeros(RIGID + len(vehicle.thrusters))
-        self._target = np.zeros(len(vehicle.thrusters))  # [N] steady thrust of the command
-        self._thrusters = Thrusters(self.curve, self.thruster_gains, self._target)
         self._work = integration_buffers(len(self.state))
+        target = np.zeros(len(vehicle.thrusters))
+        afloat = Afloat(
+            state=self.state,
+            command=self._command,
+            step_s=step_s,
+            thrusters=Thrusters(self.curve, self.thruster_gains, target),
+            fault=self._fault,
+            body=self.body,
+            water=current.water,
+            work=self._work,
+        )
+        self._afloat = Lent(afloat)
         self._advance_held = SameTypes(advance_held)
         self._write_acceleration = SameTypes(write_acceleration)
         self._write_current = SameTypes(write_current)
@@ -122,7 +133,7 @@ class Plant:
         self._command[:] = command
         if self.fault is not None:
             commanded = float(thrust_from_command(self._command[self.fault.thruster], self.curve))
-            self._fault_thrust = Fault(self.fault.thruster, self.fault.apply(step, commanded))
+            self._fault.thrust[0] = self.fault.apply(step, commanded)
         if (step + steps) * self.step_s > self.current.duration_s + self.step_s:
             raise ValueError(f"the gust was drawn for only {self.current.duration_s} s")
         self._step = step + steps
@@ -132,16 +143,7 @@ class Plant:
             gate = math.inf
             if self.contact is not None:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
-        done = self._advance_held.call(
-            self.state,
-            self._command,
-            Span(step, steps, self.step_s, gate),
-            self._thrusters,
-            self._fault_thrust,
-            self.body,
-            self.water,
-            self._work,
-        )
+        done = self._advance_held.call(self._afloat, step, steps, gate)
         if done < 0:
             raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
         return done

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.numerics.lent import lend, recalled
+from seamark.sim.numerics.lent import Lent, lend, recalled, taken
 
 
 class Thing(NamedTuple):
@@ -19,10 +19,10 @@ class Thing(NamedTuple):
     share: float
 
 
-Lent = tuple[tuple[Thing, NDArray[np.int64]], float]
+Value = tuple[tuple[Thing, NDArray[np.int64]], float]
 
 
-def lent(k: int) -> Lent:
+def value(k: int) -> Value:
     plane = np.arange(6, dtype=np.float32).reshape(2, 3) * k
     return (Thing(plane, -k, bool(k % 2), 0.25 * k), np.arange(k + 1)), 1e300 * k
 
@@ -38,7 +38,7 @@ def told(table: NDArray[np.int64], like: Any, out: NDArray[np.float64]) -> None:
 
 
 def test_what_is_recalled_is_what_was_lent_and_can_be_written_to() -> None:
-    owners = [lent(k) for k in range(4)]
+    owners = [value(k) for k in range(4)]
     out = np.empty((4, 6))
 
     told(np.array([lend(each) for each in owners]), owners[0], out)
@@ -48,7 +48,24 @@ def test_what_is_recalled_is_what_was_lent_and_can_be_written_to() -> None:
         assert owners[k][0][0].plane[0, 0] == k + 10
 
 
-@pytest.mark.parametrize("value", ["text", np.zeros((4, 4))[:, 1], (1, None)])
-def test_what_cannot_be_lent_is_refused(value: Any) -> None:
+@njit
+def told_at_once(lent: Lent[Value], more: int) -> float:
+    (thing, counts), big = taken(lent)
+    thing.plane[0, 0] += more
+    return thing.plane[1, 2] + thing.number + thing.share + counts.sum() + big / 1e300
+
+
+def test_what_is_taken_is_the_present_value_of_what_was_lent() -> None:
+    first, second = value(1), value(2)
+    one, other = Lent(first), Lent(second)
+    first[0][0].plane[1, 2] = 7.0
+
+    assert told_at_once(one, 3) == 7.0 - 1.0 + 0.25 + 1.0 + 1.0
+    assert told_at_once(other, 4) == 10.0 - 2.0 + 0.5 + 3.0 + 2.0
+    assert (first[0][0].plane[0, 0], second[0][0].plane[0, 0]) == (3.0, 4.0)
+
+
+@pytest.mark.parametrize("refused", ["text", np.zeros((4, 4))[:, 1], (1, None)])
+def test_what_cannot_be_lent_is_refused(refused: Any) -> None:
     with pytest.raises(TypeError, match="cannot be lent"):
-        lend(value)
+        lend(refused)

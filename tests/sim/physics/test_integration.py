@@ -133,7 +133,8 @@ def test_the_machine_code_has_no_fused_operations() -> None:
     plant.reset(START)
 
     span, work = Span(0, 1, 0.01, np.inf), integration_buffers(len(plant.state))
-    integrate(plant.state, plant._target, span, plant.body, plant.water, work)
+    target = np.zeros(len(plant.vehicle.thrusters))
+    integrate(plant.state, target, span, plant.body, plant.water, work)
     assembly = "".join(map(_assembly, integrate.overloads.values()))
 
     assert "mulsd" in assembly
