@@ -69,6 +69,7 @@ _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
     "detector": ((OutlineDetector, "detect"),),
     "physics": ((Plant, "advance"), (Plant, "read_pose"), (ArmedPlant, "advance")),
     "sensors and position error": ((ClosedLoop, "_measure"),),
+    "rendering, tracker and sensors in one call": ((ClosedLoop, "_look"),),
     "velocity controller": ((VelocityController, "step"),),
     "program: built in, or our side of the exchange": ((BuiltIn, "step"), (Box, "step")),
     "recording, with the digest": ((telemetry.Recorder, "commit"),),

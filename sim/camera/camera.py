@@ -1,7 +1,6 @@
 """The camera: an image is a pure function of pose, water, noise seed and frame number."""
 
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from seamark.sim.camera.caustics import WAVES, draw_waves, wave_amplitude
 from seamark.sim.camera.effects import EffectParameters, Effects
 from seamark.sim.camera.geometry import camera_pose, project
 from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.pencil import Pencil
 from seamark.sim.camera.rows import CHUNK, interleave
 from seamark.sim.camera.scene import Channel, Scene, SensorNoise, buffers_for
 from seamark.sim.camera.seabed import SEABED_SEED, seabed
@@ -64,15 +64,6 @@ def effect_parameters(effects: Effects, noise_seed: int) -> EffectParameters:
         seed=seed,
         drift=np.zeros(5),
     )
-
-
-class Pencil(NamedTuple):
-    """What the kernels draw one colour channel of a camera with."""
-
-    scene: Scene
-    channel: Channel
-    grain: SensorNoise
-    effects: EffectParameters  # of `raycast_effects`, where there are any
 
 
 class Camera:
@@ -223,7 +214,10 @@ class Camera:
 
         The camera keeps all its arrays.
         """
-        return Pencil(self._scene, self._channel(number), self._grain, self._effect_parameters)
+        return Pencil(
+            *(self._scene, self._channel(number), self._grain, self._effect_parameters),
+            altered=self._has_effects,
+        )
 
     def _channel(self, number: int) -> Channel:
         channel = self._channels.get(number)

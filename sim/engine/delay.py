@@ -3,30 +3,44 @@
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
+from numba import njit
 
 from seamark.sim.engine.program import Command
+from seamark.sim.numerics.arrays import Array
 
+RESULT = 9  # numbers of a tracker's result: four corners [px], and whether it has the target
+_CORNERS = RESULT - 1
 STILL: Command = (0.0, 0.0, 0.0, 0.0)  # of the vehicle; joints that are not commanded rest
 
 
 class ImageDelay:
-    """What the station keeper gets of the tracker's results, a number of control steps late.
+    """What the station keeper gets of the tracker's results, a number of control steps late."""
 
-    Until the first result has arrived again, it is the first one.
-    """
-
-    def __init__(self, corners: NDArray[np.float64], steps: int) -> None:
-        """Set up a delay of `corners`, (8,) [px], which the tracker updates in place."""
-        self._tracked = corners
-        self._pending: deque[tuple[bool, NDArray[np.float64]]] = deque(maxlen=steps + 1)
-        self.corners = corners.copy()
+    def __init__(self, steps: int) -> None:
+        self.results = np.zeros((steps + 1, RESULT))  # for `arriving`
+        self.corners = np.zeros(_CORNERS)  # [px]
         self.ok = False
 
-    def step(self, ok: bool) -> None:
-        """Take the tracker's result of this control step; `ok` and `corners` are then the old."""
-        self._pending.append((ok, self._tracked.copy()))
-        self.ok, self.corners[:] = self._pending[0]
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def arriving(results: Array, step: int, late: int, corners: Array, visible: bool) -> Array:
+    """Keep the tracker's result of a control step and return the one that arrives now, (RESULT,).
+
+    Until the first result has arrived again, it is the first one.
+
+    Parameters
+    ----------
+    results : (late + 1 or more, RESULT)
+        Those that are on their way.
+    corners : (8,) [px]
+        Where the tracker last had the target.
+    """
+    slots = results.shape[0]
+    now = results[step % slots]
+    now[:_CORNERS] = corners
+    now[_CORNERS] = visible
+    arrived: Array = results[max(step - late, 0) % slots]
+    return arrived
 
 
 class CommandDelay:

@@ -11,11 +11,13 @@ from numba import njit
 from seamark.sim.control.observation import STARTS
 from seamark.sim.control.station_keeper import update_position_error
 from seamark.sim.control.velocity_law import Records
+from seamark.sim.engine.delay import RESULT, arriving
 from seamark.sim.engine.tracking_error import TargetView, write_tracking_error
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID, write_current
+from seamark.sim.physics.terrain import Mounds, sounding
 from seamark.sim.recording.telemetry import (
     ARM_WIDTH,
     COMMON_THRUSTERS,
@@ -104,6 +106,23 @@ class SensorNoises(NamedTuple):
     altimeter: Array
 
 
+class Senses(NamedTuple):
+    """All that a vehicle perceives with over one level."""
+
+    physics_steps: int  # per control step
+    constants: LevelConstants
+    results: Array  # of the tracker, (late + 1, RESULT), see `delay.arriving`
+    tracked: Tracked
+    moving: Moving
+    ground: Mounds
+    relief: bool  # whether it has mounds
+    sensors: SensorRecords
+    noises: SensorNoises
+    keepers: Records  # (1,) of the station keeper
+    observation: Array
+    measured: Records  # (1,) of the velocity controller
+
+
 class StepOutputs(NamedTuple):
     """What perception writes."""
 
@@ -162,6 +181,47 @@ def perceive(
     _observe_sensors(dvl, depth, attitude, altitude, observation)
     for i in range(state.size - RIGID):
         observation[_SEEN_THRUST + i] = state[RIGID + i]
+
+
+@njit(cache=True, error_model="numpy")
+def perceive_with(
+    senses: Senses, step: int, t: float, ok: bool, contact_n: float, row: Array
+) -> bool:
+    """Perceive a control step; return whether the image that has arrived shows the target.
+
+    Parameters
+    ----------
+    step
+        Control steps since the level began; the others are as in `StepInputs`.
+    """
+    tracked, pose = senses.tracked, senses.moving.pose
+    late = senses.results.shape[0] - 1
+    arrived = arriving(senses.results, step, late, tracked.corners, ok)
+    for i in range(tracked.seen_corners.size):
+        tracked.seen_corners[i] = arrived[i]
+    seen: bool = arrived[RESULT - 1] != 0.0
+    altitude, echoes = senses.ground.depth - pose[2], 4
+    if senses.relief:
+        altitude, echoes = sounding(pose, senses.ground)
+    perceive(
+        StepInputs(
+            step=step * senses.physics_steps,
+            t=t,
+            ok=ok,
+            seen=seen,
+            altitude=altitude,
+            echoes=echoes,
+            contact_n=contact_n,
+        ),
+        senses.constants,
+        tracked,
+        senses.moving,
+        senses.sensors,
+        senses.noises,
+        senses.keepers,
+        StepOutputs(row, senses.observation, senses.measured),
+    )
+    return seen
 
 
 @njit(cache=True, error_model="numpy")

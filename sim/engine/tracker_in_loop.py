@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.camera import Camera
+from seamark.sim.engine.sight import Sight
 from seamark.sim.engine.tracking_error import TOP_CENTRE, TargetView
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.settings.tracker import TrackerSettings
 from seamark.sim.trackers import Tracker, make
+from seamark.sim.trackers.template.tracker import TemplateTracker
 
 Pose = NDArray[np.float64]  # (6,); (12,) with the velocities, for motion blur
 
@@ -33,6 +35,14 @@ class Untracked:
     def update(self, pose: Pose, frame: int) -> None:
         """Take the pose of the next image."""
         self._camera.follow(pose)
+
+    def sight(self) -> Sight | None:
+        """Return tracker and camera for compiled loops, which then call no `update`.
+
+        None unless it is a template tracker, which has started, that follows a target at rest in
+        the images of a vehicle without an arm.
+        """
+        return None
 
 
 class TrackerInLoop(Untracked):
@@ -64,6 +74,12 @@ class TrackerInLoop(Untracked):
         self._start_error = start_error
         self._pose: Pose = np.zeros(6)
         self.tracker = tracker or self._configured(settings)
+
+    def sight(self) -> Sight | None:  # noqa: D102 - as above
+        camera, tracker = self._camera, self.tracker
+        if type(camera) is not Camera or not isinstance(tracker, TemplateTracker):
+            return None
+        return Sight(camera.pencil(), tracker.memory())
 
     def _configured(self, settings: TrackerSettings) -> Tracker:
         options = settings.tracker_options()

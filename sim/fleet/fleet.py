@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.camera.camera import GREEN, Camera
+from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.images_in_loop import period_steps
 from seamark.sim.engine.reward import goal
-from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, TargetView
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
 from seamark.sim.fleet.images import FleetImages, ImageKind
@@ -24,9 +23,7 @@ from seamark.sim.fleet.tables import COMMAND_NUMBERS, WATER_NUMBERS, Sizes, Tabl
 from seamark.sim.fleet.views import (
     Found,
     Trackers,
-    lend_camera,
     motions_of,
-    pencils_for,
     track_all,
 )
 from seamark.sim.numerics.arrays import Array, Flags, Integers
@@ -37,7 +34,6 @@ from seamark.sim.physics.pose import read_pose
 from seamark.sim.physics.water_motion.tabulation import ROWS
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
-from seamark.sim.trackers.template.tracker import TemplateTracker
 from seamark.sim.vehicles import load
 
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
@@ -207,11 +203,6 @@ class Fleet:
             raise LookupError("this fleet has no images")
         return self._images
 
-    @property
-    def trackers(self) -> Trackers | None:
-        """Those that have started and are called in the compiled loop; None: there are none."""
-        return self._trackers
-
     def seen_corners(self) -> Array:
         """Return the corners that have arrived [px], and whether they are valid, (n, 9)."""
         progress = self.tables.progress
@@ -266,20 +257,17 @@ class Fleet:
     def _lend_tracker(self, i: int) -> None:
         """Let the compiled loop have a tracker that has just started, if it can take its like."""
         world = self._world(i)
-        tracker = world.tracking.tracker if isinstance(world.tracking, TrackerInLoop) else None
-        if type(world.camera) is not Camera or not isinstance(tracker, TemplateTracker):
+        sight = world.tracking.sight()
+        if sight is None:
             return
-        memory, optics = tracker.memory(), world.camera.optics
+        optics, words = world.camera.optics, lend(sight)
         if self._trackers is None:
             self._trackers = Trackers(
-                words=np.zeros((self.count, lend(memory).size), np.int64),
-                like=memory,
-                windows=np.zeros((self.count, 4), np.int64),
-                pencils=pencils_for(self.count, world.camera, (GREEN,)),
+                words=np.zeros((self.count, words.size), np.int64),
+                like=sight,
                 size=(optics.width, optics.height),
             )
-        self._trackers.words[i], self._trackers.windows[i] = lend(memory), tracker.window()
-        lend_camera(self._trackers.pencils, i, world.camera, (GREEN,))
+        self._trackers.words[i] = words
 
     def _motions(self, chosen: Flags) -> tuple[Array, Flags]:
         """Return where the chosen vehicles are and how they move, (n, 12), and whose are finite."""

@@ -141,7 +141,7 @@ class Memory:
 
     def _tracker(self, i: int) -> tuple[Array, ...]:
         """Return what a tracker changes from image to image, each (k,): views."""
-        state = unpack_state(self._template_tracker(i).memory()[0])
+        state = unpack_state(self._template_tracker(i).memory().state)
         found = state.homography, state.motion, state.last, state.similarity, state.reach[:1]
         return *(each.reshape(-1) for each in found), state.lost
 
@@ -151,9 +151,8 @@ class Memory:
         for view in self._tracker(i):
             view[:] = numbers[begin : begin + view.size]
             begin += view.size
-        if self._fleet.trackers is not None:
-            state = self._template_tracker(i).memory()[0]
-            self._fleet.trackers.windows[i] = next_window(state, *self._size)
+        memory = self._template_tracker(i).memory()
+        memory.window[:] = next_window(memory.state, *self._size)
 
     def _template_tracker(self, i: int) -> TemplateTracker:
         world = self._fleet.craft[i]

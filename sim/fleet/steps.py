@@ -13,6 +13,7 @@ from numba import njit
 from seamark.sim.camera.geometry import camera_pose, project
 from seamark.sim.control import velocity_law
 from seamark.sim.control.velocity_law import DEPTH, HEADING
+from seamark.sim.engine.delay import arriving
 from seamark.sim.engine.perception import (
     LevelConstants,
     Moving,
@@ -210,8 +211,8 @@ def _sense(i: int, shared: Shared, tables: Tables) -> None:
     corners, row = outputs.corners[i], outputs.rows[i]
     if shared.truth:
         outputs.visible[i] = _track_truth(pose, shared, progress, i, corners)
-    seen = _seen(i, corners, outputs.visible[i], progress)
-    step = progress.step[i]
+    step, late = progress.step[i], progress.late[i, 0]
+    seen = arriving(progress.images[i], step, late, corners, outputs.visible[i])
     records, noises = instruments.records, instruments.noises
     numbers = motion.water[i // LANES, :, i % LANES]
     perceive(
@@ -286,18 +287,6 @@ def _track_truth(pose: Array, shared: Shared, progress: Progress, i: int, corner
         for at in range(_CORNERS):
             corners[at] = images[at // 2, at % 2]
     return inside
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _seen(i: int, corners: Array, visible: bool, progress: Progress) -> Array:
-    """Keep the tracker's result and return the delayed one: corners, whether it had the target."""
-    images: Array = progress.images[i]
-    step, slots = progress.step[i], images.shape[0]
-    now = images[step % slots]
-    now[:_CORNERS] = corners
-    now[_CORNERS] = visible
-    seen: Array = images[max(step - progress.late[i, 0], 0) % slots]
-    return seen
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

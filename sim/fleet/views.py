@@ -10,19 +10,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera import raycast, raycast_effects
-from seamark.sim.camera.camera import Camera, Pencil
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.pencil import Pencil, draw
 from seamark.sim.camera.rows import interleave
-from seamark.sim.camera.scene import Buffers, buffers_for
+from seamark.sim.camera.scene import buffers_for
 from seamark.sim.camera.survey import Survey, survey
+from seamark.sim.engine.sight import Sight, look
 from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.numerics.lent import lend, recalled
 from seamark.sim.physics.pose import read_pose
-from seamark.sim.trackers.interface import Window
-from seamark.sim.trackers.template.frame_step import track_frame, unpack_state
-from seamark.sim.trackers.template.tracker import Memory
 
 Image = NDArray[np.uint8]
 
@@ -32,16 +30,13 @@ class Pencils(NamedTuple):
 
     words: Integers  # (n, channels, k)
     like: Pencil  # of the types that the words have
-    effects: bool  # whether there are any
 
 
 class Trackers(NamedTuple):
     """The template trackers of a fleet, and the cameras whose grey images they are given."""
 
-    words: Integers  # (n, k) of `Memory`
-    like: Memory
-    windows: Integers  # (n, 4) of the next image
-    pencils: Pencils
+    words: Integers  # (n, k) of their sights
+    like: Sight
     size: tuple[int, int]  # width and height of the images [px]
 
 
@@ -56,7 +51,7 @@ def pencils_for(count: int, camera: Camera, channels: tuple[int, ...]) -> Pencil
     """Return a table for the cameras of `count` vehicles, of which this is one."""
     like = camera.pencil(channels[0])
     words = np.zeros((count, len(channels), lend(like).size), np.int64)
-    return Pencils(words, like, camera.effects.any)
+    return Pencils(words, like)
 
 
 def lend_camera(pencils: Pencils, i: int, camera: Camera, channels: tuple[int, ...]) -> None:
@@ -82,26 +77,6 @@ def motions_of(
         read[i] = chosen[i] and read_pose(states[i], motions[i, :6])
         for k in range(6):
             motions[i, 6 + k] = states[i, 7 + k] if moving else 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _draw(
-    words: Integers,
-    pencils: Pencils,
-    motion: Array,
-    frame: int,
-    window: Window,
-    buffers: Buffers,
-    out: Image,
-) -> None:
-    """Draw a window of one channel of one camera; `words` are those of the channel."""
-    pencil = recalled(words, pencils.like)
-    scene, channel, grain, effects = pencil
-    if pencils.effects:
-        at = (frame, window)
-        raycast_effects.draw(motion, scene, channel, grain, effects, at, buffers, out)
-    else:
-        raycast.draw(motion[:6], scene, channel, grain, frame, window, buffers, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -135,10 +110,12 @@ def draw_all(
             continue
         if channels == 1:
             image = out[i].reshape(height, width)
-            _draw(pencils.words[i, 0], pencils, motions[i], frames[i], window, buffers, image)
+            pencil = recalled(pencils.words[i, 0], pencils.like)
+            draw(pencil, motions[i], frames[i], window, buffers, image)
             continue
         for k in range(channels):
-            _draw(pencils.words[i, k], pencils, motions[i], frames[i], window, buffers, planes[k])
+            pencil = recalled(pencils.words[i, k], pencils.like)
+            draw(pencil, motions[i], frames[i], window, buffers, planes[k])
         a, b, c = planes[0].ravel(), planes[1].ravel(), planes[2].ravel()
         interleave(a, b, c, out[i].ravel())
     own.levels[0] = 0  # the owner of `buffers` must live until here
@@ -180,17 +157,7 @@ def track_all(
     for i in range(first * LANES, min(last * LANES, chosen.size)):
         if not chosen[i]:
             continue
-        box = trackers.windows[i]
-        window = (box[0], box[1], box[2], box[3])
-        pencils = trackers.pencils
-        _draw(pencils.words[i, 0], pencils, motions[i], frames[i], window, buffers, canvas)
-        state, search, levels, store = recalled(trackers.words[i], trackers.like)
-        tracked, _, _, ahead = track_frame(canvas, window, state, search, levels, store)
-        for k in range(4):
-            box[k] = ahead[k]
-        found.visible[i] = tracked
-        if tracked:
-            corners = unpack_state(state).last
-            for k in range(8):
-                found.corners[i, k] = corners[k // 2, k % 2]
+        sight = recalled(trackers.words[i], trackers.like)
+        corners = found.corners[i]
+        found.visible[i] = look(sight, motions[i], frames[i], buffers, canvas, corners)
     own.levels[0], sheet[0, 0] = 0, 0  # the owners of what was borrowed must live until here

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.arrays import Integers
 from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.level_buffers import (
     SCALE,
@@ -221,16 +222,18 @@ def _second_search(
 @njit(cache=True, nogil=True, error_model="numpy")
 def track_frame(  # fewer arguments would have to be packed and unpacked
     image: NDArray[np.uint8],
-    window: Window,
+    box: Integers,
     state: Numbers,
     search_numbers: Numbers,
     level_numbers: Matrix,
     store: PlaneStore,
-) -> tuple[bool, float, int, Window]:
-    """Find the target in the next image, of which only the window is read.
+) -> tuple[bool, float, int]:
+    """Find the target in the next image, of which only the window `box`, (4,), is read.
 
-    Returns whether it was found, the ZNCC, the iterations, and the window of the following image.
+    `box` is then the window of the following image. Returns whether the target was found, the ZNCC,
+    and the iterations.
     """
+    window = (box[0], box[1], box[2], box[3])
     known, search = unpack_state(state), unpack_search(search_numbers)
     levels = (level_numbers, store)
     h = np.empty((3, 3))
@@ -261,5 +264,5 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
         _accept(known, h, corners, expected, similar)
     else:
         _mark_lost(known)
-    ahead = _window(known, image.shape[1], image.shape[0])
-    return tracked, similar, iterations, ahead
+    box[0], box[1], box[2], box[3] = _window(known, image.shape[1], image.shape[0])
+    return tracked, similar, iterations

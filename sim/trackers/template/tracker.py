@@ -1,8 +1,11 @@
 """`esm`: tracks a textured plane by aligning a template; all warps, criteria and methods."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.arrays import Integers
 from seamark.sim.trackers.interface import Corners, Track, Window
 from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.template import alignment
@@ -27,7 +30,17 @@ from seamark.sim.trackers.template.pyramid import MAX_LEVELS
 from seamark.sim.trackers.template.pyramid_alignment import extract_templates
 from seamark.sim.trackers.template.warps import basis, from_square, is_convex, multiply, signed_area
 
-Memory = tuple[Numbers, Numbers, Matrix, PlaneStore]  # the last arguments of `track_frame`
+
+class Memory(NamedTuple):
+    """What a tracker has learned and keeps in mind; `track_frame` updates state and window."""
+
+    state: Numbers
+    search: Numbers
+    levels: Matrix
+    store: PlaneStore
+    window: Integers  # (4,) of the next image
+
+
 _SIMPLE_WARPS = ("translation", "rt", "srt")  # warps that the coarse levels use too
 _WEIGHTS = {
     "esm": 0.5,
@@ -89,7 +102,7 @@ class TemplateTracker:
         self._reach = (search_px, search_px, max(template_margin_px, 0), reacquire_px, least_px)
         self._max_jump = max_jump
         self._shape = (0, 0)
-        self._window: Window = (0, 0, 0, 0)
+        self._window = np.zeros(4, np.int64)
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
         """Learn the target from a whole image (H, W) in which its corners are known."""
@@ -110,8 +123,9 @@ class TemplateTracker:
         )
         if search.smooth_image:
             levels[0].frame[UNIT] = 1.0 / SMOOTH_SUM
-        self._window = next_window(self._state, image.shape[1], image.shape[0])
-        extract_templates(image, self._window, homography, every, search)
+        window = next_window(self._state, image.shape[1], image.shape[0])
+        self._window[:] = window
+        extract_templates(image, window, homography, every, search)
         set_template(levels[0], search.weight, search.criterion)
         for level in levels[1 : max(search.levels, search.second_levels)]:
             set_template(level, search.weight, search.coarse_criterion)
@@ -119,7 +133,7 @@ class TemplateTracker:
 
     def memory(self) -> Memory:
         """Return what it has learned and keeps in mind, for compiled loops over many trackers."""
-        return self._state, *self._known
+        return Memory(self._state, *self._known, self._window)
 
     def window(self) -> Window:
         """Return the box around the predicted target with the search margin, on even pixels.
@@ -127,13 +141,14 @@ class TemplateTracker:
         The margin is `search_px` at first and after a loss, when it may grow to `reacquire_px`.
         Without a second search it is smaller while predictions are accurate.
         """
-        return self._window
+        x0, y0, x1, y1 = self._window.tolist()
+        return x0, y0, x1, y1
 
     def update(self, image: NDArray[np.uint8]) -> Track:
         """Find the target in the next image (H, W), of which only `window()` is read."""
         if image.shape != self._shape:
             raise ValueError(f"an image of {image.shape} after one of {self._shape}")
-        tracked, correlation, iterations, self._window = track_frame(
+        tracked, correlation, iterations = track_frame(
             _contiguous(image), self._window, self._state, *self._known
         )
         return Track(self._last.copy(), tracked, 1.0 - correlation, iterations)

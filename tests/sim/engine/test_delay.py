@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seamark.sim.engine.delay import STILL, CommandDelay, ImageDelay
+from seamark.sim.engine.delay import STILL, CommandDelay, ImageDelay, arriving
 
 
 @pytest.mark.parametrize("steps", [0, 1, 3])
@@ -19,13 +19,13 @@ def test_a_command_arrives_as_many_steps_later(steps: int) -> None:
 @pytest.mark.parametrize("steps", [0, 1, 3])
 def test_the_station_keeper_gets_what_the_tracker_said_so_many_steps_ago(steps: int) -> None:
     tracked = np.zeros(8)
-    line = ImageDelay(tracked, steps)
+    results = ImageDelay(steps).results
     seen = []
 
     for i in range(8):
         tracked[:] = i
-        line.step(i != 2)
-        seen.append((line.ok, line.corners[0]))
+        arrived = arriving(results, i, steps, tracked, i != 2)
+        seen.append((arrived[8] != 0.0, arrived[0]))
 
     expected = [max(i - steps, 0) for i in range(8)]
     assert seen == [(i != 2, float(i)) for i in expected]
