@@ -30,6 +30,7 @@ def many(**options: Any) -> Any:
     return gymnasium.make_vec(NAME, num_envs=3, **FOR_POLICIES, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("observation", ["state", "image", "image+state"])
 def test_the_checker_of_gymnasium_has_no_objections(observation: str) -> None:
     env = single(observation=observation, render_mode="rgb_array")
@@ -115,6 +116,17 @@ def test_the_last_observation_of_a_level_is_the_same_in_each_autoreset_mode() ->
     np.testing.assert_array_equal(last[AutoresetMode.NEXT_STEP], last[AutoresetMode.DISABLED])
 
 
+def test_each_vehicle_has_the_seed_that_it_is_given() -> None:
+    seeds = [40, 7, 40]
+    together, info = many().reset(seed=seeds)
+
+    alone = [single().reset(seed=seed)[0] for seed in seeds]
+
+    np.testing.assert_array_equal(together, alone)
+    assert info["seed"].tolist() == seeds
+
+
+@pytest.mark.slow
 def test_the_loop_of_the_guide_runs() -> None:
     section = GUIDE.read_text("utf-8").split("## With other libraries\n")[1].split("\n## ")[0]
     blocks = re.findall(r"^```python\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
