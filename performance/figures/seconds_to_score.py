@@ -124,8 +124,9 @@ def snapshots(example: dict[str, Any], seed: int) -> list[Snapshot]:
 def measured(example: dict[str, Any], water: FreshWater, seed: int, entries: Run) -> Run:
     """Train with a seed; return its curve and when it has beaten each entry.
 
-    Among the policies that beat an entry with true corners, the first one counts that beats it in
-    the benchmark as it is.
+    Policies that beat an entry with true corners are tried in the benchmark as it is, from the
+    first one on, until one beats it there. If one does not, the next one that is tried has more
+    than that one has lost.
     """
     taken = snapshots(example, seed)
     curve = [water.score(each.layers) for each in taken]
@@ -138,12 +139,17 @@ def measured(example: dict[str, Any], water: FreshWater, seed: int, entries: Run
 
         beaten: dict[str, Any] = {}
         for name, score in entries.items():
-            beaten[name] = None
-            for number in (k for k, value in enumerate(curve) if value > score):
-                if (own := boxed(number)) > score:
+            beaten[name], lost = None, 0.0
+            for number, value in enumerate(curve):
+                if value <= score + lost:
+                    continue
+                own = boxed(number)
+                print(f"seed {seed}: {value:.3f} with true corners, {own:.3f} in full", flush=True)
+                if own > score:
                     passed = taken[number]
                     beaten[name] = [round(passed.seconds, 2), round(passed.cpu_seconds, 2), own]
                     break
+                lost = value - own
         last = boxed(len(taken) - 1)
     points = [
         [round(each.seconds, 2), round(each.cpu_seconds, 2), round(value, 4)]
@@ -191,7 +197,7 @@ def draw(results: dict[str, Any]) -> None:
         axes.set_xlabel("seconds of training on two cores; dots: beaten, with the tracker")
         axes.set_ylabel("current held [m/s]")
         axes.set_ylim(bottom=0.0)
-        axes.legend(loc="lower right")
+        axes.legend(loc="center right")
 
 
 def main(arguments: Sequence[str]) -> int:
