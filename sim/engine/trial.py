@@ -79,7 +79,6 @@ def run_trial(
     kept: list[Rows] = []
 
     def deliver(rows: Rows) -> None:
-        digest.add(rows)
         kept.append(rows)
         on_rows(rows)
 
@@ -91,6 +90,7 @@ def run_trial(
         with closing(running):
             running.run(deliver)
         whole = np.concatenate(kept)
+        digest.add(whole)
         original = uwsim_metrics.level_metrics(whole)
         levels[level] = experiment.metrics(config, level, whole) | {"measures": original}
         rows += len(whole)

@@ -28,9 +28,10 @@ class Controller:
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
         command = [0.0, 0.0, 0.0, 0.0]
+        errors, visible, dt = observation.error, observation.target_visible, observation.dt
         for axis in range(self.axes):
-            error = observation.error[axis]
-            change = self.ki * error * observation.dt if observation.target_visible else 0.0
+            error = float(errors[axis])
+            change = self.ki * error * dt if visible else 0.0
             wanted = self.kp * error + self.integral[axis] + change
             command[axis] = min(max(wanted, -self.limit), self.limit)
             # Anti-windup: at the limit the integral may only move back inside.
