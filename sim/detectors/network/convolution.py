@@ -5,7 +5,7 @@ An image of C channels is a matrix of one row for each pixel, with a frame of ze
 its 3 x 3 window, row by row, and of the channels of each. O is a multiple of 16.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -31,6 +31,23 @@ class Layer(NamedTuple):
 def plane(height: int, width: int, channels: int) -> Matrix:
     """Return an image of zeros with its frame."""
     return np.zeros(((height + 2) * (width + 2), channels), np.float32)
+
+
+def layer_of(
+    weights: NDArray[Any],
+    biases: NDArray[Any],
+    size: tuple[int, int],
+    *,
+    stride: int,
+    rectified: bool,
+) -> Layer:
+    """Return a layer of weights (O, C, 3, 3) and biases (O,); more outputs fill up a vector."""
+    outputs, inputs, _, _ = weights.shape
+    padded = -(-outputs // WIDTH) * WIDTH
+    in_rows, in_row = np.zeros((9 * inputs, padded), np.float32), np.zeros((1, padded), np.float32)
+    in_rows[:, :outputs] = weights.transpose(2, 3, 1, 0).reshape(9 * inputs, outputs)
+    in_row[0, :outputs] = biases
+    return Layer(in_rows, in_row, size[1], stride, rectified, plane(*size, padded))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.detectors.interface import Detection, Image, grey, most_confident
-from seamark.sim.detectors.network.convolution import Layer, add_doubled, convolve, plane
+from seamark.sim.detectors.network.convolution import Layer, add_doubled, convolve, layer_of, plane
 from seamark.sim.detectors.network.layers import ADDED, KEPT, LAST, LAYERS
 from seamark.sim.detectors.network.reading import CELLS, OUTPUTS, STRIDE, VIEWS, answers, views
-from seamark.sim.numerics.simd import WIDTH
 
 WEIGHTS = Path(__file__).with_name("weights.npz")
 HEIGHT_PX, WIDTH_PX = (STRIDE * cells for cells in CELLS)
@@ -26,7 +25,7 @@ class Network:
             for name, (_, _, stride) in LAYERS.items():
                 height, width = height // stride, width // stride
                 weights, biases = stored[f"{name}.weights"], stored[f"{name}.biases"]
-                self._layers[name] = _layer(
+                self._layers[name] = layer_of(
                     weights, biases, (height, width), stride=stride, rectified=name != LAST
                 )
                 if name == ADDED:
@@ -53,20 +52,3 @@ class Network:
         rows, columns = CELLS
         whole = last.reshape(rows + 2, columns + 2, -1)[1:-1, 1:-1, :OUTPUTS]
         return np.ascontiguousarray(whole.transpose(2, 0, 1))
-
-
-def _layer(
-    weights: NDArray[np.float16],
-    biases: NDArray[np.float16],
-    size: tuple[int, int],
-    *,
-    stride: int,
-    rectified: bool,
-) -> Layer:
-    """Return a layer of weights (O, C, 3, 3) and biases (O,); more outputs fill up a vector."""
-    outputs, inputs, _, _ = weights.shape
-    padded = -(-outputs // WIDTH) * WIDTH
-    in_rows, in_row = np.zeros((9 * inputs, padded), np.float32), np.zeros((1, padded), np.float32)
-    in_rows[:, :outputs] = weights.transpose(2, 3, 1, 0).reshape(9 * inputs, outputs)
-    in_row[0, :outputs] = biases
-    return Layer(in_rows, in_row, size[1], stride, rectified, plane(*size, padded))
