@@ -70,6 +70,7 @@ CONTROLLERS = {
 REFERENCE_CONTROLLERS = {
     "nothing": "seamark.sim.control.position.nothing:Controller",
     "blind": "seamark.sim.control.position.blind:Controller",
+    "pixels": "seamark.sim.control.position.pixels.controller:Controller",
     "oracle": "seamark.sim.control.position.oracle:Controller",
 }
 # For other tasks, most of them with an arm; marks on the leaderboards last.

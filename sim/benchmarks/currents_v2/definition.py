@@ -64,6 +64,7 @@ _BENCHMARK = station_keeping_benchmark(
         "lqr": Baseline("LQG: Kalman filter and regulator", "lqr"),
         "l1": Baseline("L1 adaptive", "l1"),
         "mpc": Baseline("MPC with disturbance observer", "mpc"),
+        "pixels": Baseline("From pixels: learned eye and hand", "pixels", {"images": "vehicle"}),
         "oracle": Baseline("Oracle: knows the truth, limited by thrust", "oracle"),
     },
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},

@@ -49,4 +49,5 @@ class CurrentsConfiguration(
         "whole levels.",
         source="a quarter of a level",
     )
+    images: str = override(ArmSettings.model_fields["images"], "none", role="solution")
     score: str = custom_score_setting((*overall(), *tool_point.METRICS), group="Experiment")

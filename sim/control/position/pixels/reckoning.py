@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from seamark.sim.camera.optics import MOUNT_M
 from seamark.sim.control.observation import Observation
-from seamark.sim.vehicles import constants
+from seamark.sim.physics import constants
 
 LEARN = 0.3  # E: share of a new sight in what is remembered
 STEPS = 12  # control steps that are remembered, more than an image is late
