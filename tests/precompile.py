@@ -24,6 +24,7 @@ from tests.sim.benchmarks.dock_v1 import test_bits as dock_bits
 from tests.sim.benchmarks.track_v1 import test_bits as track_bits
 from tests.sim.camera import test_link_camera
 from tests.sim.camera.bottom import test_bottom
+from tests.sim.control import test_pixels
 from tests.sim.control.mpc import test_horizon
 from tests.sim.detectors import test_detectors, test_faces
 from tests.sim.detectors.network import test_network
@@ -115,6 +116,8 @@ def main() -> None:
             partial(_run, test_detectors.PROGRAM, OLDEST_PROCESSOR, *test_detectors.QUICK),
             partial(_run, test_faces.PROGRAM, OLDEST_PROCESSOR),
             partial(_run, test_network.BITS_OF_PARTS, OLDEST_PROCESSOR),
+            partial(_run, test_pixels.BITS, {}),
+            partial(_run, test_pixels.BITS, OLDEST_PROCESSOR),
             partial(_run, test_horizon.BITS, OLDEST_PROCESSOR),
             partial(_run, test_upright_boxes.BITS, OLDEST_PROCESSOR),
             partial(_run, test_integration.RUN, OLDEST_PROCESSOR),

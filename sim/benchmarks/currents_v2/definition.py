@@ -14,6 +14,7 @@ from seamark.sim.benchmarks.benchmark import (
 )
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
+from seamark.sim.control.position import pixels
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.energy import POWER
 from seamark.sim.metrics.metric import Metric
@@ -64,7 +65,9 @@ _BENCHMARK = station_keeping_benchmark(
         "lqr": Baseline("LQG: Kalman filter and regulator", "lqr"),
         "l1": Baseline("L1 adaptive", "l1"),
         "mpc": Baseline("MPC with disturbance observer", "mpc"),
-        "pixels": Baseline("From pixels: learned eye and hand", "pixels", {"images": "vehicle"}),
+        "pixels": Baseline(
+            "From pixels: learned eye and hand", "pixels", {"images": "vehicle"}, pixels.notes()
+        ),
         "oracle": Baseline("Oracle: knows the truth, limited by thrust", "oracle"),
     },
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},

@@ -237,8 +237,17 @@ def test_a_vehicle_without_an_arm_has_images_of_its_camera() -> None:
     assert seen.images["vehicle"].tobytes() == again.frame(row).grey().tobytes()
 
 
-def test_a_ranked_run_has_no_images() -> None:
+def test_a_ranked_run_has_the_images_that_it_asks_for() -> None:
     entry = registry.benchmark(BENCHMARK)
 
-    ranked = entry.ranked(entry.read(SHORT | {"tracker": "esm", "images": "both"}))
-    assert ranked.cameras_of_program() == ()
+    ranked = entry.ranked(entry.read(SHORT | {"tracker": "esm", "images": "vehicle"}))
+    assert ranked.cameras_of_program() == ("vehicle",)
+
+
+def test_a_ranked_run_cannot_ask_for_images_of_an_arm_that_it_does_not_have() -> None:
+    entry = registry.benchmark(BENCHMARK)
+
+    with pytest.raises(ConfigurationInvalid) as refused:
+        entry.ranked(entry.read(SHORT | {"tracker": "esm", "images": "both"}))
+
+    assert "no camera on an arm" in refused.value.errors["images"]

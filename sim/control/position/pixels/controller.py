@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seamark.sim.control.observation import VEHICLE_CAMERA, Observation
 from seamark.sim.control.position.pixels.eye import Eye
@@ -12,6 +13,7 @@ from seamark.sim.control.position.pixels.hand import STEPS, Hand
 from seamark.sim.control.position.pixels.reckoning import Reckoning
 
 WEIGHTS = Path(__file__).with_name("weights.npz")
+NEEDS_IMAGES = "pixels needs the images of the vehicle's camera: --set images=vehicle"
 
 
 class Controller:
@@ -22,12 +24,22 @@ class Controller:
 
     label = "From pixels: learned eye and hand"
 
-    def __init__(self, config: Mapping[str, Any]) -> None:
-        with np.load(WEIGHTS) as stored:
-            parts: dict[str, dict[str, Any]] = {"eye": {}, "hand": {}}
-            for name in stored.files:
-                part, _, array = name.partition("_")
-                parts[part][array] = stored[name]
+    def __init__(
+        self, config: Mapping[str, Any], weights: Mapping[str, NDArray[Any]] | None = None
+    ) -> None:
+        """Set up, with other weights than those that are kept here if there are some.
+
+        Raises
+        ------
+        ValueError
+            The settings do not ask for the images of the vehicle's camera.
+        """
+        if config.get("images") not in ("vehicle", "both"):
+            raise ValueError(NEEDS_IMAGES)
+        parts: dict[str, dict[str, NDArray[Any]]] = {"eye": {}, "hand": {}}
+        for name, array in (weights or _kept()).items():
+            part, _, of_part = name.partition("_")
+            parts[part][of_part] = array
         self.eye, self.hand = Eye(parts["eye"]), Hand(parts["hand"])
         self.reckoning = Reckoning(config)
 
@@ -50,3 +62,8 @@ class Controller:
             self.command = self.hand.decide(observation, self.reckoning.error())
         self.steps += 1
         return self.command
+
+
+def _kept() -> Mapping[str, NDArray[Any]]:
+    with np.load(WEIGHTS) as stored:
+        return {name: stored[name] for name in stored.files}

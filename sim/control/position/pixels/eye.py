@@ -1,7 +1,7 @@
 """The eye: a small convolutional network that says where in an image the target is.
 
-A cell is a square of 32 x 32 pixels of the image. Each of 15 x 20 cells has a score, and how far from its
-middle the centre of the target is. A score is relative to that of no target in view, which is zero.
+A cell is a square of 32 x 32 pixels of the image. Each of 15 x 20 cells has a score, and how far
+from its middle the centre of the target is. No target in view has a score of zero.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
 """The hand: a small network that turns the error and the vehicle's own motion into commands.
 
-It is the policy of `examples/ppo`, whose `features.py` has the same features, for many vehicles at
-once and with NumPy's sines, whose last bits depend on the processor. Here every processor gets the same ones.
+It is the policy of `examples/ppo`, whose `features.py` has the same features for many vehicles at
+once, with last bits that depend on the processor. Here every processor gets the same ones.
 """
 
 from collections.abc import Mapping, Sequence
