@@ -2,17 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.control.observation import VEHICLE_CAMERA, Observation
-from seamark.sim.control.position.pixels.eye import Eye
-from seamark.sim.control.position.pixels.hand import STEPS, Hand
-from seamark.sim.control.position.pixels.reckoning import Reckoning
 
 WEIGHTS = Path(__file__).with_name("weights.npz")
+PARTS = (  # with what they need they load Numba and OpenCV: only for runs
+    "seamark.sim.control.position.pixels.eye",
+    "seamark.sim.control.position.pixels.hand",
+    "seamark.sim.control.position.pixels.reckoning",
+)
 NEEDS_IMAGES = "pixels needs the images of the vehicle's camera: --set images=vehicle"
 
 
@@ -40,8 +43,13 @@ class Controller:
         for name, array in (weights or _kept()).items():
             part, _, of_part = name.partition("_")
             parts[part][of_part] = array
-        self.eye, self.hand = Eye(parts["eye"]), Hand(parts["hand"])
-        self.reckoning = Reckoning(config)
+        eye, hand, reckoning = map(resolve_name, PARTS)
+        self.eye, self.hand, self.every = (
+            eye.Eye(parts["eye"]),
+            hand.Hand(parts["hand"]),
+            hand.STEPS,
+        )
+        self.reckoning = reckoning.Reckoning(config)
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Forget the last level."""
@@ -58,7 +66,7 @@ class Controller:
             sight = self.eye.find(observation.images[VEHICLE_CAMERA])
             if sight is not None:
                 self.reckoning.see(self.image_t, sight)
-        if self.steps % STEPS == 0:
+        if self.steps % self.every == 0:
             self.command = self.hand.decide(observation, self.reckoning.error())
         self.steps += 1
         return self.command

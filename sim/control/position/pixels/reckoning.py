@@ -2,11 +2,11 @@
 
 from collections import deque
 from collections.abc import Mapping
-from pkgutil import resolve_name
 from typing import Any, NamedTuple
 
 from seamark.sim.camera.optics import MOUNT_M
 from seamark.sim.control.observation import Observation
+from seamark.sim.numerics.libm import sincos
 from seamark.sim.physics import constants
 
 LEARN = 0.3  # E: share of a new sight in what is remembered
@@ -32,7 +32,6 @@ class Reckoning:
 
     def __init__(self, config: Mapping[str, Any]) -> None:
         self.focal_px = config["camera_focal_px"]
-        self.sincos = resolve_name("seamark.sim.numerics.libm:sincos")  # compiled: only for runs
         self.reset()
 
     def reset(self) -> None:
@@ -82,7 +81,7 @@ class Reckoning:
         return ahead - mount[0], side - mount[1]
 
     def _turned(self, angle: float, vector: Plane) -> Plane:
-        sine, cosine = self.sincos(angle)
+        sine, cosine = sincos(angle)
         x, y = vector
         return cosine * x - sine * y, sine * x + cosine * y
 
@@ -95,7 +94,7 @@ class Reckoning:
     ) -> tuple[float, float, float]:
         """Return a vector of the body along level axes: ahead, starboard, down."""
         x, y, z = vector
-        sin_roll, cos_roll = self.sincos(roll)
-        sin_pitch, cos_pitch = self.sincos(pitch)
+        sin_roll, cos_roll = sincos(roll)
+        sin_pitch, cos_pitch = sincos(pitch)
         side, down = cos_roll * y - sin_roll * z, sin_roll * y + cos_roll * z
         return cos_pitch * x + sin_pitch * down, side, cos_pitch * down - sin_pitch * x
