@@ -16,7 +16,7 @@ from numba import njit
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.linear_algebra import inverse
 
-ITERATIONS = 50  # E: a row is then within a hundredth of its limits where they can be kept
+ITERATIONS = 50  # E: a row is then mostly within 0.05 of its limits; the next search goes on
 RELAXATION = 1.6  # S: alpha of OSQP
 REGULARISATION = 1e-6  # S: sigma of OSQP, as a share of the mean of H's diagonal
 

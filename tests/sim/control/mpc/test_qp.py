@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy  # its parts are loaded when they are used
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -11,6 +11,7 @@ from seamark.sim.control.mpc import qp
 from seamark.sim.numerics.arrays import Array
 
 SIZE, ROWS = 6, 8
+SEARCHES = 40  # 20,000 programs like these kept their limits to 0.01 then; after one to 0.35
 unit = st.floats(-1.0, 1.0)
 
 
@@ -26,13 +27,15 @@ def program(seed: int) -> tuple[Array, Array]:
 
 @pytest.mark.slow
 @given(seed=st.integers(0, 10**6), gradient=arrays(np.float64, SIZE, elements=unit))
+@example(seed=0, gradient=np.ones(SIZE))  # slow: 0.06 beyond its limits after one search
 @settings(max_examples=30, deadline=None)
-def test_it_comes_near_the_optimum_of_scipy(seed: int, gradient: Array) -> None:
+def test_a_search_that_goes_on_ends_at_the_optimum_of_scipy(seed: int, gradient: Array) -> None:
     hessian, rows = program(seed)
     gradient = 20.0 * gradient
     made, low, high = qp.problem(hessian, rows), np.full(ROWS, -1.0), np.full(ROWS, 0.7)
     found = qp.iterates(made)
-    qp.solve(made, gradient, low, high, found)
+    for _ in range(SEARCHES):
+        qp.solve(made, gradient, low, high, found)
 
     best = scipy.optimize.minimize(
         lambda at: cost(hessian, gradient, at),
@@ -45,7 +48,7 @@ def test_it_comes_near_the_optimum_of_scipy(seed: int, gradient: Array) -> None:
         ],
     )
     beyond = np.maximum(rows @ found.solution - high, low - rows @ found.solution)
-    assert beyond.max() < 0.05
+    assert beyond.max() < 0.02
     assert cost(hessian, gradient, found.solution) == pytest.approx(best.fun, rel=0.05, abs=0.02)
 
 
