@@ -65,6 +65,8 @@ SIMD_INTERNALS = (
     "numba.core.typing.templates:signature",
     "numba.core.base:BaseContext.make_array",  # data pointer of an array
     "numba.core.base:BaseContext.cast",
+    "numba.core.types:StarArgTuple",  # the lengths of an array on the stack
+    "numba.np.arrayobj:populate_array",  # an array of memory that nobody counts
     "numba.core.base:BaseContext.get_dummy_value",
     "llvmlite.ir:Undefined",
     "llvmlite.ir.instructions:GEPInstr",  # its indices and type are replaced for a vector of them

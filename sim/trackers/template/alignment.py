@@ -13,6 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.level_buffers import (
     ALONG,
     COLUMN,
@@ -52,6 +54,7 @@ from seamark.sim.trackers.template.patches import (
 from seamark.sim.trackers.template.warps import (
     additive,
     apply,
+    assign,
     exponential,
     multiply,
     reduce,
@@ -80,7 +83,7 @@ class Stage(NamedTuple):
     smooth: bool  # whether the patch is smoothed; if not, the image already is
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def extract_patch(
     image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel, smooth: bool
 ) -> None:
@@ -93,7 +96,7 @@ def extract_patch(
     blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def zncc(level: PyramidLevel) -> float:
     """Return the ZNCC of the template with the level's patch."""
     own = (level.frame[MEAN], level.frame[SIGMA])
@@ -129,22 +132,23 @@ def _equations(
         a[:] = level.hessian
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _fine_values(frame: NDArray[np.float64]) -> tuple[float, float]:
     """Return gain and offset from the template's grey values to fine bins."""
     factor = (FINE_BINS - 1.0) / (2.0 * REACH * frame[SIGMA])
     return factor, 0.5 * (FINE_BINS - 1.0) - factor * frame[MEAN]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float64]) -> bool:
     """Write the step d (8,) that solves the normal equations within the warp's basis."""
     n = basis.shape[1]
-    reduced = np.empty((n, n))
-    right = np.empty(n)
+    reduced = on_stack(np.float64, 8, 8)[:n, :n]
+    right = on_stack(np.float64, 8)[:n]
     if n == 8:  # all homographies: the basis is the identity
-        reduced[:] = a
-        right[:] = g
+        assign(a, reduced)
+        for q in range(8):
+            right[q] = g[q]
     else:
         reduce(a, g, basis, reduced, right)
     for i in range(n):
@@ -158,7 +162,7 @@ def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float6
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _update(
     h: Matrix,
     d: NDArray[np.float64],
@@ -167,8 +171,7 @@ def _update(
 ) -> None:
     """Replace h by h N E(d) N^-1, scaled to h[2, 2] = 1."""
     scale, column, row = frame[SCALE], frame[COLUMN], frame[ROW]
-    t = np.empty((3, 3))
-    e = np.empty((3, 3))
+    t, e, u = (on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3))
     for i in range(3):
         t[i, 0] = h[i, 0] * scale
         t[i, 1] = h[i, 1] * scale
@@ -177,7 +180,6 @@ def _update(
         additive(d, stage.basis.shape[1], t, e)
     else:
         exponential(d, e)
-    u = np.empty((3, 3))
     multiply(t, e, u)
     last = u[2, 2] - (u[2, 0] * column + u[2, 1] * row) / scale
     for i in range(3):
@@ -186,7 +188,7 @@ def _update(
         h[i, 2] = (u[i, 2] - (u[i, 0] * column + u[i, 1] * row) / scale) / last
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _template_corners(level: PyramidLevel, out: Matrix) -> None:
     """Write the template's outermost pixel centres (4, 2) in reading order."""
     out[:] = 0.0
@@ -194,7 +196,7 @@ def _template_corners(level: PyramidLevel, out: Matrix) -> None:
     out[2, 1] = out[3, 1] = level.ys.shape[0] - 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _largest_step(before: Matrix, after: Matrix) -> float:
     """Return the largest motion |du| + |dv| of the corners; inf if one is not finite."""
     largest = 0.0
@@ -215,12 +217,12 @@ def align(
     stage: Stage,
 ) -> tuple[int, bool]:
     """Improve h (template px -> image px) in place; return iterations and whether h is valid."""
-    a = np.empty((8, 8))
-    g = np.empty(8)
-    d = np.empty(8)
-    rim = np.empty((4, 2))
-    before = np.empty((4, 2))
-    after = np.empty((4, 2))
+    a = on_stack(np.float64, 8, 8)
+    g = on_stack(np.float64, 8)
+    d = on_stack(np.float64, 8)
+    rim = on_stack(np.float64, 4, 2)
+    before = on_stack(np.float64, 4, 2)
+    after = on_stack(np.float64, 4, 2)
     stop_px = stage.stop_px * (1.0 if stage.criterion == ZNCC else _STOP_FACTOR)
     _template_corners(level, rim)
     apply(h, rim, before)
@@ -236,7 +238,7 @@ def align(
         largest = _largest_step(before, after)
         if largest == np.inf:
             return done, False
-        before[:] = after
+        assign(after, before)
         if largest < stop_px:
             return done, True
     return stage.iterations, True

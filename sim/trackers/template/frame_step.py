@@ -11,6 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.arrays import Integers
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.level_buffers import (
     SCALE,
@@ -27,7 +29,14 @@ from seamark.sim.trackers.template.pyramid_alignment import (
     grid_search,
     search_again,
 )
-from seamark.sim.trackers.template.warps import apply, inverse, is_convex, multiply, signed_area
+from seamark.sim.trackers.template.warps import (
+    apply,
+    assign,
+    inverse,
+    is_convex,
+    multiply,
+    signed_area,
+)
 
 LOWEST_CORRELATION = 0.5  # E: chance alignments on noise reach 0.3 to 0.4
 # E: the best of some hundred positions is more often similar by chance than a single one.
@@ -81,7 +90,7 @@ def unpack_state(numbers: Numbers) -> TrackerState:
 def _predict_homography(state: TrackerState, out: Matrix) -> None:
     """Write the homography from which the next search starts."""
     if not state.predict:
-        out[:] = state.homography
+        assign(state.homography, out)
         return
     multiply(state.homography, state.motion, out)
     last = out[2, 2]
@@ -96,14 +105,14 @@ def _window(state: TrackerState, width: int, height: int) -> Window:
 
     A predicted corner that is not finite, or far away, is ignored.
     """
-    expected = np.empty((4, 2))
-    h = np.empty((3, 3))
+    expected = on_stack(np.float64, 4, 2)
+    h = on_stack(np.float64, 3, 3)
     _predict_homography(state, h)
     apply(h, state.template_corners, expected)
     last = state.last
     reach = np.ceil(state.reach[SEARCH]) + state.reach[MARGIN]
     limits = (width, height)
-    window = np.empty(4, np.int64)
+    window = on_stack(np.int64, 4)
     for axis in range(2):
         low = last[0, axis]
         high = low
@@ -126,7 +135,7 @@ def next_window(state: Numbers, width: int, height: int) -> Window:
     return _window(unpack_state(state), width, height)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _largest_difference(a: Matrix, b: Matrix) -> float:
     """Return the largest absolute difference; inf if one is not finite."""
     most = 0.0
@@ -158,11 +167,11 @@ def _accept(
     if state.lost[0] > 0:
         _reset_motion(state)
     else:
-        back = np.empty((3, 3))
+        back = on_stack(np.float64, 3, 3)
         inverse(state.homography, back)
         multiply(back, h, state.motion)
-    state.homography[:] = h
-    state.last[:] = corners
+    assign(h, state.homography)
+    assign(corners, state.last)
     state.lost[0] = 0
     state.similarity[0] = similar
     margin = PREDICTION_ERROR_FACTOR * _largest_difference(corners, expected)
@@ -209,12 +218,12 @@ def _second_search(
     enough = 1.0 - (DOUBT_FACTOR * (1.0 - known.similarity[0]) + DOUBT_OFFSET)
     if similar >= enough:
         return 0, similar
-    other, corners = np.empty((3, 3)), np.empty((4, 2))
+    other, corners = on_stack(np.float64, 3, 3), on_stack(np.float64, 4, 2)
     done, best = search_again(images, start, levels, search, enough, other)
     if best > max(similar, LOWEST_CORRELATION_REACQUIRE):
         apply(other, known.template_corners, corners)
         if _plausible(corners, known, jump):
-            h[:] = other
+            assign(other, h)
             return done, best
     return done, similar
 
@@ -236,9 +245,8 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     window = (box[0], box[1], box[2], box[3])
     known, search = unpack_state(state), unpack_search(search_numbers)
     levels = (level_numbers, store)
-    h = np.empty((3, 3))
-    expected = np.empty((4, 2))
-    corners = np.empty((4, 2))
+    h, start = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
+    expected, corners = on_stack(np.float64, 4, 2), on_stack(np.float64, 4, 2)
     images = resolutions(image, window, search.levels, search.smooth_image)
     _predict_homography(known, h)
     apply(h, known.template_corners, expected)
@@ -248,7 +256,7 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
         lowest = LOWEST_CORRELATION_REACQUIRE
         jump += known.reach[SEARCH]
         grid_search(images, h, levels, search, known.reach[SEARCH])
-    start = h.copy()
+    assign(h, start)
     iterations, sane, similar = align_pyramid(images, h, levels, search)
     apply(h, known.template_corners, corners)
     tracked = sane and similar >= lowest and _plausible(corners, known, jump)

@@ -12,6 +12,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.simd import WIDTH, f32x16, fma, horizontal_sum, load, store
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.patches import MASK, XS, Matrix, Plane
 
 # Each column as terms: direction of the gradient (0 x, 1 y), power of x, power of y, sign.
@@ -53,9 +55,10 @@ def _tables() -> tuple[NDArray[np.int64], NDArray[np.int64], Matrix]:
 
 
 _MOMENTS, _TERMS, _SIGNS = _tables()
+_COUNT = len(_MOMENTS)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _strip(
     planes: tuple[Plane, Plane, Plane, Plane],
     model: tuple[float, float, float],
@@ -76,7 +79,7 @@ def _strip(
         store(out, 3 * r + 2, 0, error)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _sums_along(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gx gx y^k and gx e y^k of a strip, lane by lane."""
     a0 = a1 = a2 = d0 = d1 = f32x16(0.0)
@@ -95,7 +98,7 @@ def _sums_along(strip: Plane, ys: Plane, out: Plane) -> None:
     store(out, 13, 0, d1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _sums_across(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gx gy y^k."""
     b0 = b1 = b2 = b3 = f32x16(0.0)
@@ -112,7 +115,7 @@ def _sums_across(strip: Plane, ys: Plane, out: Plane) -> None:
     store(out, 6, 0, b3)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _sums_down(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gy gy y^k and gy e y^k."""
     c0 = c1 = c2 = c3 = c4 = f32x16(0.0)
@@ -165,9 +168,9 @@ def normal_equations(
     """
     columns, ys = axes
     strip = np.empty((3 * ys.shape[0], WIDTH), np.float32)
-    sums = np.empty((_SUMS, WIDTH), np.float32)
-    totals = np.zeros((_MOMENTS.shape[0], WIDTH), np.float32)
-    powers = np.empty((5, WIDTH), np.float32)
+    sums, powers = on_stack(np.float32, _SUMS, WIDTH), on_stack(np.float32, 5, WIDTH)
+    totals, moments = on_stack(np.float32, _COUNT, WIDTH), on_stack(np.float64, _COUNT)
+    totals[:] = 0.0
     for c in range(0, columns.shape[1] - WIDTH, WIDTH):
         _strip(planes, model, columns, c, strip)
         _sums_along(strip, ys, sums)
@@ -181,7 +184,6 @@ def normal_equations(
         for t in range(_MOMENTS.shape[0]):
             part = load(sums, _MOMENTS[t, 0], 0) * load(powers, _MOMENTS[t, 1], 0)
             store(totals, t, 0, load(totals, t, 0) + part)
-    moments = np.empty(totals.shape[0])
     for t in range(totals.shape[0]):
         moments[t] = horizontal_sum(load(totals, t, 0))
     a[:] = 0.0

@@ -27,6 +27,8 @@ from seamark.sim.numerics.simd import (
     to_f32,
     to_i32,
 )
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
@@ -37,18 +39,19 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]  # coarser levels are sums of pix
 
 NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised; 1 inside, 0 beyond
 
+_PIECE = 128  # [px] of a row that is sampled at once
 SMOOTH_SUM = 16  # of the weights of the 3x3 binomial mask
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32]) -> None:
-    """Write the pixels at flat indices, their right neighbours, and both pixels below.
+@uncounted
+def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32], length: int) -> None:
+    """Write the pixels at the first flat indices, their right neighbours, and both pixels below.
 
     Four pixels of eight bits fill a word of the first row; of wider pixels the lower two go into
     the second row. A separate scalar loop, since scattered pixels are loaded one by one anyway.
     """
     pitch = image.shape[1]
-    for c in range(at.shape[0]):
+    for c in range(length):
         upper, lower = load_pair(image, at[c]), load_pair(image, at[c] + pitch)
         if image.itemsize == 1:
             words[0, c] = upper | lower << 16
@@ -57,7 +60,7 @@ def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32]) -> N
             words[1, c] = lower
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def warp_patch(
     image: Image, bounds: NDArray[np.float64], m: Matrix, unit: float, columns: Plane, out: Plane
 ) -> None:
@@ -70,24 +73,23 @@ def warp_patch(
     columns : (3, width)
         Only the column numbers are read.
     """
-    end = out.shape[1] - WIDTH
-    at = np.empty(end, np.int32)
-    words = np.empty((2, end), np.uint32)
-    fractions = np.empty((2, end), np.float32)
+    at, words = on_stack(np.int32, _PIECE), on_stack(np.uint32, 2, _PIECE)
+    fractions = on_stack(np.float32, 2, _PIECE)
     bits = 8 * image.itemsize
     below, low = (0, 16) if bits == 8 else (1, 0)  # where _gather writes the lower pixels
     one, least, value = f32x16(1.0), f32x16(1e-3), f32x16(unit)
     low_u, low_v = f32x16(bounds[0]), f32x16(bounds[1])
     high_u, high_v = f32x16(bounds[2] - 1.001), f32x16(bounds[3] - 1.001)
     across_u, across_v, across_z = f32x16(m[0, 0]), f32x16(m[1, 0]), f32x16(m[2, 0])
-    pitch = i32x16(image.shape[1])
-    for r in range(out.shape[0]):
-        y = r - 1.0
+    pitch, end = i32x16(image.shape[1]), out.shape[1] - WIDTH
+    for place in range(out.shape[0] * ((end + _PIECE - 1) // _PIECE)):
+        r, begin = place % out.shape[0], place // out.shape[0] * _PIECE
+        y, length = r - 1.0, min(_PIECE, end - begin)
         u0 = f32x16(m[0, 1] * y + m[0, 2] - m[0, 0])
         v0 = f32x16(m[1, 1] * y + m[1, 2] - m[1, 0])
         z0 = f32x16(m[2, 1] * y + m[2, 2] - m[2, 0])
-        for c in range(0, end, WIDTH):
-            column = load(columns, NUMBERS, c)
+        for c in range(0, length, WIDTH):
+            column = load(columns, NUMBERS, begin + c)
             scale = one / maximum(fma(across_z, column, z0), least)
             u = minimum(maximum(fma(across_u, column, u0) * scale, low_u), high_u)
             v = minimum(maximum(fma(across_v, column, v0) * scale, low_v), high_v)
@@ -95,13 +97,13 @@ def warp_patch(
             store(fractions, 0, c, u - to_f32(left))
             store(fractions, 1, c, v - to_f32(above))
             store_i32(at, c, above * pitch + left)
-        _gather(image, at, words)
-        for c in range(0, end, WIDTH):
+        _gather(image, at, words, length)
+        for c in range(0, length, WIDTH):
             fu = load(fractions, 0, c)
             a, d = load_bits(words, 0, c, 0, bits), load_bits(words, below, c, low, bits)
             over = fma(fu, load_bits(words, 0, c, bits, bits) - a, a)
             under = fma(fu, load_bits(words, below, c, low + bits, bits) - d, d)
-            store(out, r, c, value * fma(load(fractions, 1, c), under - over, over))
+            store(out, r, begin + c, value * fma(load(fractions, 1, c), under - over, over))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -111,7 +113,7 @@ def _smooth(raw: Plane, row: int, column: int) -> "F32x16":
     return fma(f32x16(0.25), sides, f32x16(0.5) * load(raw, row, column))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def blur(raw: Plane, width: int, out: Plane) -> None:
     """Write a patch smoothed with the 3x3 binomial mask; its outermost pixels are smoothed less.
 
@@ -136,7 +138,7 @@ def blur(raw: Plane, width: int, out: Plane) -> None:
             out[r, c] = ends + np.float32(0.5) * raw[r, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def halve(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
     """Write the sums of 2x2 blocks from column x0 and row y0 on; exact, also for sums of sums."""
     rows, columns = out.shape
@@ -181,7 +183,7 @@ def smooth_window(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> No
             )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
     """Return mean and standard deviation [grey] of a patch without its rim.
 
@@ -206,7 +208,7 @@ def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
     return mean, math.sqrt(float(horizontal_sum(sums)) / count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def correlation(
     patch: Plane, template: Plane, columns: Plane, count: int, own: tuple[float, float]
 ) -> float:

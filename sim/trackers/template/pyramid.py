@@ -11,8 +11,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.patches import Matrix, halve, smooth_window
+from seamark.sim.trackers.template.warps import assign
 
 MAX_LEVELS = 4  # an eighth of the resolution; sums of 64 pixels fit into 16 bits
 SummedImage = NDArray[np.uint16]
@@ -63,19 +65,18 @@ def _halved(
     return first, second, third
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def full_bounds(image: SummedImage) -> NDArray[np.float64]:
-    """Return the bounds (4,) of a whole image."""
-    bounds = np.zeros(4)
-    bounds[2] = image.shape[1]
-    bounds[3] = image.shape[0]
-    return bounds
+@uncounted
+def full_bounds(image: SummedImage, out: NDArray[np.float64]) -> None:
+    """Write the bounds (4,) of a whole image."""
+    out[0] = out[1] = 0.0
+    out[2] = image.shape[1]
+    out[3] = image.shape[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def to_pyramid_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
     """Write h, template px -> image px, converted to a level of template and window."""
-    out[:] = h
+    assign(h, out)
     x0, y0 = float(window[0]), float(window[1])
     for _ in range(level):
         for i in range(3):
@@ -88,10 +89,10 @@ def to_pyramid_level(h: Matrix, level: int, window: Window, out: Matrix) -> None
         x0 = y0 = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def from_pyramid_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
     """Undo `to_pyramid_level`, scaled to out[2, 2] = 1."""
-    out[:] = h
+    assign(h, out)
     for k in range(level, 0, -1):
         x0 = float(window[0]) if k == 1 else 0.0
         y0 = float(window[1]) if k == 1 else 0.0

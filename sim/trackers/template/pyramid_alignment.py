@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.alignment import Stage, align, extract_patch, zncc
 from seamark.sim.trackers.template.level_buffers import (
     COLUMNS,
@@ -19,6 +21,7 @@ from seamark.sim.trackers.template.pyramid import (
     resolutions,
     to_pyramid_level,
 )
+from seamark.sim.trackers.template.warps import assign
 
 # E: of the second search on each pyramid level; 10 found 1 to 2 % less of the targets.
 SECOND_ITERATIONS = 30
@@ -27,12 +30,10 @@ SECOND_ITERATIONS = 30
 _QUARTER = 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _bounds(images: Images) -> NDArray[np.float64]:
-    bounds = np.empty(4)
+@uncounted
+def _bounds(images: Images, out: NDArray[np.float64]) -> None:
     for k in range(4):
-        bounds[k] = images.window[k]
-    return bounds
+        out[k] = images.window[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -49,7 +50,7 @@ def _stage(search: SearchSettings, k: int, coarse: bool, iterations: int) -> Sta
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _shift(h: Matrix, du: float, dv: float) -> None:
     """Move the image of a homography by (du, dv) [px]."""
     for j in range(3):
@@ -63,18 +64,22 @@ def _align_level(
 ) -> tuple[int, bool]:
     """Improve h (of level 0) on level k; return iterations and whether h is valid."""
     level = pyramid_level(levels, k)
+    bounds = on_stack(np.float64, 4)
     if k > 0:
-        low = np.empty((3, 3))
+        low = on_stack(np.float64, 3, 3)
         to_pyramid_level(h, k, images.window, low)
         small = images.small[k - 1]
-        done, sane = align(small, full_bounds(small), low, level, stage)
+        full_bounds(small, bounds)
+        done, sane = align(small, bounds, low, level, stage)
         from_pyramid_level(low, k, images.window, h)
         return done, sane
     if stage.smooth:
-        return align(images.whole, _bounds(images), h, level, stage)
+        _bounds(images, bounds)
+        return align(images.whole, bounds, h, level, stage)
     x0, y0 = float(images.window[0]), float(images.window[1])
     _shift(h, -x0, -y0)
-    done, sane = align(images.smooth, full_bounds(images.smooth), h, level, stage)
+    full_bounds(images.smooth, bounds)
+    done, sane = align(images.smooth, bounds, h, level, stage)
     _shift(h, x0, y0)
     return done, sane
 
@@ -82,17 +87,20 @@ def _align_level(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _extract(images: Images, k: int, h: Matrix, levels: PyramidLevels) -> None:
     """Sample the image under h (of level 0) into the patch of level k."""
-    low = np.empty((3, 3))
+    low, bounds = on_stack(np.float64, 3, 3), on_stack(np.float64, 4)
     to_pyramid_level(h, k, images.window, low)
     level = pyramid_level(levels, k)
     if k > 0:
         small = images.small[k - 1]
-        extract_patch(small, full_bounds(small), low, level, True)
+        full_bounds(small, bounds)
+        extract_patch(small, bounds, low, level, True)
     elif images.smooth.shape[0] == 0:
-        extract_patch(images.whole, _bounds(images), low, level, True)
+        _bounds(images, bounds)
+        extract_patch(images.whole, bounds, low, level, True)
     else:
         _shift(low, -float(images.window[0]), -float(images.window[1]))
-        extract_patch(images.smooth, full_bounds(images.smooth), low, level, False)
+        full_bounds(images.smooth, bounds)
+        extract_patch(images.smooth, bounds, low, level, False)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -156,9 +164,9 @@ def search_again(
     every = resolutions(images.whole, images.window, search.second_levels, search.smooth_image)
     top = search.second_levels - 1
     done, best = 0, -1.0
-    warp = np.empty((3, 3))
+    warp = on_stack(np.float64, 3, 3)
     for coarsest in range(min(_QUARTER, top), top + 1):
-        warp[:] = start
+        assign(start, warp)
         more, sane = _align_from(every, coarsest, warp, levels, search)
         done += more
         if not sane:
@@ -166,7 +174,7 @@ def search_again(
         similar = _similarity_at(every, min(1, top), warp, levels)
         if similar > best:
             best = similar
-            h[:] = warp
+            assign(warp, h)
         if best >= enough:
             break
     return done, best
@@ -188,16 +196,16 @@ def grid_search(
     step = min(max(0.25 * shorter, 2.0), 12.0)
     count = int(radius / step)
     best = -2.0
-    start = h.copy()
-    there = np.empty((3, 3))
+    start, there = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
+    assign(h, start)
     for row in range(-count, count + 1):
         for column in range(-count, count + 1):
-            there[:] = start
+            assign(start, there)
             _shift(there, column * step, row * step)
             similarity = _similarity_at(images, k, there, levels)
             if similarity > best:
                 best = similarity
-                h[:] = there
+                assign(there, h)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

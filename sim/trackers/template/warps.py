@@ -6,10 +6,11 @@ to first order. Every warp is a basis (8, n) of some of them (Benhimane & Malis,
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import sincos
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 
 Matrix = NDArray[np.float64]
 
@@ -30,7 +31,15 @@ def basis(warp: str) -> Matrix:
     return np.ascontiguousarray(np.array(_GENERATORS[warp]).T)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
+def assign(source: Matrix, out: Matrix) -> None:
+    """Copy a matrix; the assignment of slices compares their memory first, which takes longer."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            out[i, j] = source[i, j]
+
+
+@uncounted
 def multiply(a: Matrix, b: Matrix, out: Matrix) -> None:
     """Write the product of two 3x3 matrices; `out` is neither of them."""
     for i in range(3):
@@ -38,7 +47,7 @@ def multiply(a: Matrix, b: Matrix, out: Matrix) -> None:
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def inverse(a: Matrix, out: Matrix) -> None:
     """Write the inverse of a regular 3x3 matrix; `out` is another array."""
     for i in range(3):
@@ -54,14 +63,13 @@ def inverse(a: Matrix, out: Matrix) -> None:
             out[i, k] /= determinant
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def exponential(d: Matrix, out: Matrix) -> None:
     """Write the homography exp(sum d_i A_i) (3, 3) of eight parameters (8,).
 
     Scaling by 1/16 and squaring with a Taylor polynomial of order 8: exact to 1e-13 for |d| <= 1.
     """
-    x = np.empty((3, 3))
-    t = np.empty((3, 3))
+    x, t = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
     x[0, 0] = d[0]
     x[0, 1] = d[1]
     x[0, 2] = d[6]
@@ -85,7 +93,7 @@ def exponential(d: Matrix, out: Matrix) -> None:
         multiply(t, t, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def additive(d: Matrix, parameters: int, at: Matrix, out: Matrix) -> None:
     """Write what h is to be multiplied by so that d is added to the parameters of the warp.
 
@@ -117,7 +125,7 @@ def additive(d: Matrix, parameters: int, at: Matrix, out: Matrix) -> None:
             out[i, i] -= kept
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def apply(h: Matrix, points: Matrix, out: Matrix) -> None:
     """Write the images (n, 2) of points (n, 2) under a homography; NaN beyond the horizon."""
     for k in range(points.shape[0]):
@@ -132,13 +140,13 @@ def apply(h: Matrix, points: Matrix, out: Matrix) -> None:
             out[k, 1] = np.nan
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def reduce(
     a: Matrix, g: NDArray[np.float64], basis: Matrix, reduced: Matrix, right: NDArray[np.float64]
 ) -> None:
     """Write the equations a d = g (8, 8) for a step within a basis (8, n): B' a B, B' g."""
     n = basis.shape[1]
-    part = np.empty((8, n))
+    part = on_stack(np.float64, 8, 8)
     for q in range(8):
         for j in range(n):
             row = 0.0
@@ -156,7 +164,7 @@ def reduce(
             reduced[i, j] = row
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _factorise(a: Matrix) -> bool:
     """Replace the lower triangle by the Cholesky factor; False if not positive definite."""
     for i in range(a.shape[0]):
@@ -173,7 +181,7 @@ def _factorise(a: Matrix) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def solve(a: Matrix, b: NDArray[np.float64]) -> bool:
     """Solve a x = b for a positive definite a (n, n), by Cholesky in place; x replaces b.
 
@@ -193,7 +201,7 @@ def solve(a: Matrix, b: NDArray[np.float64]) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def from_square(quad: Matrix, out: Matrix) -> bool:
     """Write the homography from the unit square to a quadrilateral (4, 2), Heckbert 1989.
 
@@ -222,7 +230,7 @@ def from_square(quad: Matrix, out: Matrix) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def signed_area(quad: Matrix) -> float:
     """Return the area [px^2] of a quadrilateral (4, 2), positive in the order of the corners."""
     total = 0.0
@@ -232,7 +240,7 @@ def signed_area(quad: Matrix) -> float:
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def is_convex(quad: Matrix) -> bool:
     """Return whether a quadrilateral (4, 2) turns the same way, rightwards, at every corner."""
     for k in range(4):
