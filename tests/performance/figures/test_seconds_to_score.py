@@ -1,6 +1,17 @@
-"""What is told of the seconds of training."""
+"""The seconds of training that docs/training.md tells are those that were measured."""
 
-from performance.figures.seconds_to_score import table
+import json
+
+from performance import FIGURES
+from performance.figures.seconds_to_score import PAGE, RESULTS, SEEDS, table
+
+
+def test_the_page_has_the_table_of_the_stored_results() -> None:
+    results = json.loads(RESULTS.read_text("utf-8"))
+
+    assert table(results) in PAGE.read_text("utf-8")
+    assert [run["seed"] for run in results["runs"]] == [*SEEDS]
+    assert (FIGURES / "seconds-to-score.png").exists()
 
 
 def test_a_seed_that_never_beats_an_entry_is_in_the_median_and_in_the_range() -> None:
