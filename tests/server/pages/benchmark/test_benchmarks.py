@@ -36,6 +36,14 @@ def test_a_benchmark_is_explained_by_all_sections_of_a_paper(site: Site, name: s
 
 
 @pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_no_two_regions_of_the_page_have_the_same_name(site: Site, name: str) -> None:
+    names = re.findall(r'role="region" aria-label="([^"]+)"', text_of(site, name))
+
+    assert names
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
 def test_every_link_and_figure_of_the_explanation_is_there(site: Site, name: str) -> None:
     address = f"/benchmarks/{name}"
     page = site.browser().get(address).text
