@@ -3,7 +3,7 @@
     pip install "seamark[gym,box]" "stable-baselines3>=2.9" onnx
     python examples/ppo/train.py --out hand.zip
     python examples/eye/train.py hand.zip --keep sim/control/position/pixels
-    seamark run currents-v2 --set controller=pixels --set images=vehicle --trials 8
+    seamark run currents-v2 --controller pixels --set images=vehicle --trials 8
 
 The first round has images of vehicles that wander about, the second of vehicles that the entry
 steers with the eye of the first one (DAgger: Ross, Gordon and Bagnell 2011). The same seed gives

@@ -44,12 +44,8 @@ class Controller:
             part, _, of_part = name.partition("_")
             parts[part][of_part] = array
         eye, hand, reckoning = map(resolve_name, PARTS)
-        self.eye, self.hand, self.every = (
-            eye.Eye(parts["eye"]),
-            hand.Hand(parts["hand"]),
-            hand.STEPS,
-        )
-        self.reckoning = reckoning.Reckoning(config)
+        self.eye, self.reckoning = eye.Eye(parts["eye"]), reckoning.Reckoning(config)
+        self.hand, self.every = hand.Hand(parts["hand"]), hand.STEPS
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Forget the last level."""
