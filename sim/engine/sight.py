@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 from seamark.sim.camera.pencil import Pencil, draw
 from seamark.sim.camera.scene import Buffers
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.trackers.template.frame_step import track_frame, unpack_state
+from seamark.sim.trackers.template.frame_step import (
+    FOUND,
+    PART_TOO_SMALL,
+    likely_part,
+    track_frame,
+    unpack_state,
+)
+from seamark.sim.trackers.template.level_buffers import unpack_search
 from seamark.sim.trackers.template.tracker import Memory
 
 
@@ -29,7 +36,9 @@ def look(
     canvas: NDArray[np.uint8],
     corners: Array,
 ) -> bool:
-    """Draw what the tracker wants of an image and give it that; return whether it has the target.
+    """Draw what the tracker needs of an image and give it that; return whether it has the target.
+
+    That is a part of its window in most images: where the target is expected.
 
     Parameters
     ----------
@@ -41,12 +50,16 @@ def look(
         Where the tracker last had the target, updated.
     """
     pencil, memory = sight
-    state, search, levels, store, box = memory
+    state, search, numbers, store, box = memory
     window = (box[0], box[1], box[2], box[3])
-    draw(pencil, motion, frame, window, buffers, canvas)
-    tracked, _, _ = track_frame(canvas, box, state, search, levels, store)
-    if tracked:
+    found = PART_TOO_SMALL
+    levels = unpack_search(search).levels
+    for part in (likely_part(state, levels, window), window):
+        if found == PART_TOO_SMALL:
+            draw(pencil, motion, frame, part, buffers, canvas)
+            found, _, _ = track_frame(canvas, part, box, state, search, numbers, store)
+    if found == FOUND:
         last = unpack_state(state).last
         for k in range(8):
             corners[k] = last[k // 2, k % 2]
-    return tracked
+    return found == FOUND

@@ -64,11 +64,14 @@ from seamark.sim.trackers.template.warps import (
 _DAMPING = 1e-5  # of the diagonal: bounds parameters that the template hardly determines
 _MIN_SIGMA = 0.25  # [grey] a flatter patch contains only rounding
 _MAX_STEP_PX = 1e4
+_LEAST_DEPTH = 0.01  # of the fourth coordinate, which is 1 at the template's first pixel
+_ROUNDING_PX = 0.05  # patches are sampled in float32: of some thousand pixels, off by 0.001
 # ZNCC converges quadratically. Mutual information (with the Hessian of a perfect match) and SSD
 # (where water changes the grey values) converge linearly, so these two stop later.
 _STOP_FACTOR = 0.2
 
 SSD, ZNCC, MI = range(3)
+INVALID, SANE, MISSED = range(3)  # what an alignment ends with
 
 
 class Stage(NamedTuple):
@@ -81,6 +84,30 @@ class Stage(NamedTuple):
     iterations: int  # at most
     stop_px: float  # stop when no corner moves farther
     smooth: bool  # whether the patch is smoothed; if not, the image already is
+
+
+@uncounted
+def is_known(h: Matrix, level: PyramidLevel, known: NDArray[np.float64]) -> bool:
+    """Return whether the patch under the homography lies within bounds, (4,) as of `known_bounds`.
+
+    Where all its corners lie before the camera, so does all between them. Without bounds anything
+    is known.
+    """
+    if known[0] == known[1] == -np.inf and known[2] == known[3] == np.inf:
+        return True
+    columns, rows = level.frame[COLUMNS], float(level.ys.shape[0])
+    low_u, low_v = known[0] + _ROUNDING_PX, known[1] + _ROUNDING_PX
+    high_u, high_v = known[2] - 1.0 - _ROUNDING_PX, known[3] - 1.0 - _ROUNDING_PX
+    for k in range(4):
+        x, y = columns if k % 2 else -1.0, rows if k > 1 else -1.0
+        z = h[2, 0] * x + h[2, 1] * y + h[2, 2]
+        if not z > _LEAST_DEPTH:
+            return False
+        u = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / z
+        v = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / z
+        if not (low_u <= u <= high_u and low_v <= v <= high_v):
+            return False
+    return True
 
 
 @uncounted
@@ -212,11 +239,15 @@ def _largest_step(before: Matrix, after: Matrix) -> float:
 def align(
     image: Image,
     bounds: NDArray[np.float64],
+    known: NDArray[np.float64],
     h: Matrix,
     level: PyramidLevel,
     stage: Stage,
-) -> tuple[int, bool]:
-    """Improve h (template px -> image px) in place; return iterations and whether h is valid."""
+) -> tuple[int, int]:
+    """Improve h (template px -> image px) in place; return iterations, and `SANE` if h is valid.
+
+    It is `MISSED` if more of the image is needed than is known.
+    """
     a = on_stack(np.float64, 8, 8)
     g = on_stack(np.float64, 8)
     d = on_stack(np.float64, 8)
@@ -227,21 +258,23 @@ def align(
     _template_corners(level, rim)
     apply(h, rim, before)
     for done in range(1, stage.iterations + 1):
+        if not is_known(h, level, known):
+            return done, MISSED
         extract_patch(image, bounds, h, level, stage.smooth)
         _equations(level, stage.weight, stage.criterion, a, g)
         if not _step(a, g, stage.basis, d):
-            return done, False
+            return done, INVALID
         for q in range(8):
             d[q] = min(max(d[q] / level.frame[SCALE], -1.0), 1.0)
         _update(h, d, level.frame, stage)
         apply(h, rim, after)
         largest = _largest_step(before, after)
         if largest == np.inf:
-            return done, False
+            return done, INVALID
         assign(after, before)
         if largest < stop_px:
-            return done, True
-    return stage.iterations, True
+            return done, SANE
+    return stage.iterations, SANE
 
 
 def set_template(level: PyramidLevel, weight: float, criterion: int) -> None:

@@ -14,6 +14,7 @@ from seamark.sim.numerics.arrays import Integers
 from seamark.sim.numerics.stack import on_stack
 from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.interface import Window
+from seamark.sim.trackers.template.alignment import MISSED, SANE
 from seamark.sim.trackers.template.level_buffers import (
     SCALE,
     Numbers,
@@ -23,7 +24,7 @@ from seamark.sim.trackers.template.level_buffers import (
     unpack_search,
 )
 from seamark.sim.trackers.template.patches import Matrix
-from seamark.sim.trackers.template.pyramid import Images, resolutions
+from seamark.sim.trackers.template.pyramid import Images, blocks_around, resolutions
 from seamark.sim.trackers.template.pyramid_alignment import (
     align_pyramid,
     grid_search,
@@ -48,7 +49,13 @@ DOUBT_FACTOR, DOUBT_OFFSET = 2.0, 0.02
 # The search margin follows the last prediction error: E, four times the error, at least 8 px.
 MIN_SEARCH_PX = 8.0
 PREDICTION_ERROR_FACTOR = 4.0
+_FAR_PX = 1e5  # nothing is expected, or moves, as far away
+# [px] E: around the expected target. In currents-v1 to -v3 with PI, the patches on both levels stay
+# within 1 px of it in 99 % of the images.
+_LIKELY_MARGIN_PX = 2.0
 REACH_GROWTH = 1.5  # E: of the search margin, for each image without the target
+
+LOST, FOUND, PART_TOO_SMALL = range(3)  # what `track_frame` returns
 
 SEARCH, SEARCH_LIMIT, MARGIN, REACQUIRE, SEARCH_LEAST = range(5)
 
@@ -119,7 +126,7 @@ def _window(state: TrackerState, width: int, height: int) -> Window:
         for k in range(4):
             low = min(low, last[k, axis])
             high = max(high, last[k, axis])
-            if abs(expected[k, axis]) < 1e5:
+            if abs(expected[k, axis]) < _FAR_PX:
                 low = min(low, expected[k, axis])
                 high = max(high, expected[k, axis])
         limit = limits[axis]
@@ -135,6 +142,33 @@ def next_window(state: Numbers, width: int, height: int) -> Window:
     return _window(unpack_state(state), width, height)
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def likely_part(state: Numbers, levels: int, window: Window) -> Window:
+    """Return the part of the next window in which the target is, if it is where it is expected.
+
+    The whole window if the target is lost, or expected nowhere. It is of whole pixels on so many
+    pyramid levels.
+    """
+    known = unpack_state(state)
+    if known.lost[0] > 0:
+        return window
+    h, expected = on_stack(np.float64, 3, 3), on_stack(np.float64, 4, 2)
+    _predict_homography(known, h)
+    apply(h, known.template_corners, expected)
+    reach = known.reach[MARGIN] + _LIKELY_MARGIN_PX
+    part = on_stack(np.int64, 4)
+    for axis in range(2):
+        low = high = expected[0, axis]
+        for k in range(1, 4):
+            low, high = min(low, expected[k, axis]), max(high, expected[k, axis])
+        if not abs(low) + abs(high) < _FAR_PX:
+            return window
+        part[axis], part[axis + 2] = int(np.floor(low - reach)), int(np.ceil(high + reach))
+        if part[axis] >= window[axis + 2] or part[axis + 2] <= window[axis]:
+            return window
+    return blocks_around((part[0], part[1], part[2], part[3]), levels, window)
+
+
 @uncounted
 def _largest_difference(a: Matrix, b: Matrix) -> float:
     """Return the largest absolute difference; inf if one is not finite."""
@@ -142,7 +176,7 @@ def _largest_difference(a: Matrix, b: Matrix) -> float:
     for k in range(a.shape[0]):
         for axis in range(2):
             off = abs(a[k, axis] - b[k, axis])
-            if not off < 1e5:
+            if not off < _FAR_PX:
                 return np.inf
             most = max(most, off)
     return most
@@ -199,6 +233,12 @@ def _mark_lost(state: TrackerState) -> None:
     state.lost[0] += 1
 
 
+@uncounted
+def _least_similarity(known: TrackerState) -> float:
+    """Return the ZNCC below which a result is doubtful."""
+    return float(1.0 - (DOUBT_FACTOR * (1.0 - known.similarity[0]) + DOUBT_OFFSET))
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _second_search(
     images: Images,
@@ -210,14 +250,12 @@ def _second_search(
     jump: float,
     h: Matrix,
 ) -> tuple[int, float]:
-    """Replace h where a doubtful result has a better one; return iterations and the ZNCC.
+    """Replace a doubtful h if there is a better one; return iterations and the ZNCC.
 
     `similar` is the ZNCC of h, or 0 if h is not plausible. The best of several alignments is more
     often similar by chance than a single one, so its ZNCC must be higher.
     """
-    enough = 1.0 - (DOUBT_FACTOR * (1.0 - known.similarity[0]) + DOUBT_OFFSET)
-    if similar >= enough:
-        return 0, similar
+    enough = _least_similarity(known)
     other, corners = on_stack(np.float64, 3, 3), on_stack(np.float64, 4, 2)
     done, best = search_again(images, start, levels, search, enough, other)
     if best > max(similar, LOWEST_CORRELATION_REACQUIRE):
@@ -231,23 +269,30 @@ def _second_search(
 @njit(cache=True, nogil=True, error_model="numpy")
 def track_frame(  # fewer arguments would have to be packed and unpacked
     image: NDArray[np.uint8],
+    part: Window,
     box: Integers,
     state: Numbers,
     search_numbers: Numbers,
     level_numbers: Matrix,
     store: PlaneStore,
-) -> tuple[bool, float, int]:
-    """Find the target in the next image, of which only the window `box`, (4,), is read.
+) -> tuple[int, float, int]:
+    """Find the target in the next image, of which only a part of the window `box`, (4,), is read.
 
-    `box` is then the window of the following image. Returns whether the target was found, the ZNCC,
-    and the iterations.
+    Returns whether the target was found (`LOST`, `FOUND`), the ZNCC, and the iterations; `box` is
+    then the window of the following image. Or, if more than the part is needed, `PART_TOO_SMALL`;
+    then nothing has changed, and the image can be tried again with the whole window.
+
+    Parameters
+    ----------
+    part
+        As `likely_part`, or the whole window. The result is the same.
     """
     window = (box[0], box[1], box[2], box[3])
     known, search = unpack_state(state), unpack_search(search_numbers)
     levels = (level_numbers, store)
     h, start = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
     expected, corners = on_stack(np.float64, 4, 2), on_stack(np.float64, 4, 2)
-    images = resolutions(image, window, search.levels, search.smooth_image)
+    images = resolutions(image, window, part, search.levels, search.smooth_image)
     _predict_homography(known, h)
     apply(h, known.template_corners, expected)
     jump = known.max_jump * 2.0 * level_numbers[0, SCALE]
@@ -255,15 +300,20 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     if known.lost[0] > 0 and known.reach[REACQUIRE] > 0.0:
         lowest = LOWEST_CORRELATION_REACQUIRE
         jump += known.reach[SEARCH]
+        if part != window:
+            return PART_TOO_SMALL, 0.0, 0
         grid_search(images, h, levels, search, known.reach[SEARCH])
     assign(h, start)
-    iterations, sane, similar = align_pyramid(images, h, levels, search)
+    iterations, end, similar = align_pyramid(images, h, levels, search)
+    if end == MISSED:
+        return PART_TOO_SMALL, 0.0, iterations
     apply(h, known.template_corners, corners)
-    tracked = sane and similar >= lowest and _plausible(corners, known, jump)
-    if search.second_levels > 0:
-        more, again = _second_search(
-            images, known, levels, search, start, similar if tracked else 0.0, jump, h
-        )
+    tracked = end == SANE and similar >= lowest and _plausible(corners, known, jump)
+    sure = similar if tracked else 0.0
+    if search.second_levels > 0 and sure < _least_similarity(known):
+        if part != window:
+            return PART_TOO_SMALL, 0.0, iterations
+        more, again = _second_search(images, known, levels, search, start, sure, jump, h)
         iterations += more
         if again > 0.0:
             tracked, similar = True, again
@@ -273,4 +323,4 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     else:
         _mark_lost(known)
     box[0], box[1], box[2], box[3] = _window(known, image.shape[1], image.shape[0])
-    return tracked, similar, iterations
+    return FOUND if tracked else LOST, similar, iterations

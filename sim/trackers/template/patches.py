@@ -29,6 +29,7 @@ from seamark.sim.numerics.simd import (
 )
 from seamark.sim.numerics.stack import on_stack
 from seamark.sim.numerics.uncounted import uncounted
+from seamark.sim.trackers.interface import Window
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
@@ -139,13 +140,16 @@ def blur(raw: Plane, width: int, out: Plane) -> None:
 
 
 @uncounted
-def halve(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
-    """Write the sums of 2x2 blocks from column x0 and row y0 on; exact, also for sums of sums."""
-    rows, columns = out.shape
-    for r in range(rows):
-        upper = image[y0 + 2 * r, x0 : x0 + 2 * columns]
-        lower = image[y0 + 2 * r + 1, x0 : x0 + 2 * columns]
-        row = out[r]
+def halve(image: Image, x0: int, y0: int, part: Window, out: NDArray[np.uint16]) -> None:
+    """Write the sums of 2x2 blocks from column x0 and row y0 on; exact, also for sums of sums.
+
+    `part` are the first column and row of `out` that are written, and those after the last.
+    """
+    first, columns = x0 + 2 * part[0], part[2] - part[0]
+    for r in range(part[1], part[3]):
+        upper = image[y0 + 2 * r, first : first + 2 * columns]
+        lower = image[y0 + 2 * r + 1, first : first + 2 * columns]
+        row = out[r, part[0] : part[2]]
         for c in range(columns):
             k = np.uint64(2 * c)
             k1 = k + np.uint64(1)
@@ -158,25 +162,25 @@ def halve(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def smooth_window(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
+def smooth_window(image: Image, x0: int, y0: int, part: Window, out: NDArray[np.uint16]) -> None:
     """Write SMOOTH_SUM times the image from column x0 and row y0 on, smoothed.
 
-    The mask is the 3x3 binomial; the sums are exact. Pixels at the rim of `out` count again for
-    those beyond.
+    The mask is the 3x3 binomial; the sums are exact. `part` is as in `halve`; pixels at its rim
+    count again for those beyond.
     """
-    rows, columns = out.shape
+    begin, columns = x0 + part[0], part[2] - part[0]
     sums = np.empty(columns + 2, np.uint16)
     inner = sums[1 : columns + 1]
-    for r in range(rows):
-        above = image[y0 + max(r - 1, 0), x0 : x0 + columns]
-        middle = image[y0 + r, x0 : x0 + columns]
-        below = image[y0 + min(r + 1, rows - 1), x0 : x0 + columns]
+    for r in range(part[1], part[3]):
+        above = image[y0 + max(r - 1, part[1]), begin : begin + columns]
+        middle = image[y0 + r, begin : begin + columns]
+        below = image[y0 + min(r + 1, part[3] - 1), begin : begin + columns]
         for c in range(columns):
             inner[c] = np.uint16(
                 np.uint32(above[c]) + np.uint32(2) * np.uint32(middle[c]) + np.uint32(below[c])
             )
         sums[0], sums[columns + 1] = sums[1], sums[columns]
-        left, right, row = sums[:columns], sums[2:], out[r]
+        left, right, row = sums[:columns], sums[2:], out[r, part[0] : part[2]]
         for c in range(columns):
             row[c] = np.uint16(
                 np.uint32(left[c]) + np.uint32(2) * np.uint32(inner[c]) + np.uint32(right[c])

@@ -21,30 +21,60 @@ SummedImage = NDArray[np.uint16]
 
 
 class Images(NamedTuple):
-    """One image at all resolutions; of the first, only the window is read."""
+    """One image at all resolutions; of the first, only the window is read.
+
+    Where only a part of the window is known, nothing may be read of the rest.
+    """
 
     whole: NDArray[np.uint8]  # (H, W)
     smooth: SummedImage  # the window, smoothed and times 16; empty if the patches are smoothed
     small: tuple[SummedImage, SummedImage, SummedImage]  # levels 1, 2 and 3 of the window
     window: Window
+    part: Window  # that is known, as of `blocks_around`
+
+
+@uncounted
+def blocks_around(part: Window, levels: int, window: Window) -> Window:
+    """Return the smallest part of a window around this one, of whole pixels on all levels."""
+    x0, y0, x1, y1 = window
+    block = 1 << (levels - 1)
+    return (
+        max(x0 + (part[0] - x0) // block * block, x0),
+        max(y0 + (part[1] - y0) // block * block, y0),
+        min(x0 - (x0 - part[2]) // block * block, x1),
+        min(y0 - (y0 - part[3]) // block * block, y1),
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def resolutions(
-    image: NDArray[np.uint8], window: Window, levels: int, smooth_image: bool
+    image: NDArray[np.uint8], window: Window, part: Window, levels: int, smooth_image: bool
 ) -> Images:
-    """Return an image on the given number of pyramid levels."""
+    """Return an image, of which a part of the window is known, on some pyramid levels."""
     x0, y0, x1, y1 = window
     size = (y1 - y0, x1 - x0) if smooth_image else (0, 0)
     smooth = np.empty(size, np.uint16)
     if smooth_image:
-        smooth_window(image, x0, y0, smooth)
-    return Images(image, smooth, _halved(image, window, levels), window)
+        smooth_window(image, x0, y0, _on_level(0, part, window), smooth)
+    small = _halved(image, window, part, levels)
+    return Images(image, smooth, small, window, part)
+
+
+@uncounted
+def _on_level(level: int, part: Window, window: Window) -> Window:
+    """Return the pixels of a level that a part of the window becomes."""
+    x0, y0 = window[0], window[1]
+    return (
+        (part[0] - x0) >> level,
+        (part[1] - y0) >> level,
+        (part[2] - x0) >> level,
+        (part[3] - y0) >> level,
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _halved(
-    image: NDArray[np.uint8], window: Window, levels: int
+    image: NDArray[np.uint8], window: Window, part: Window, levels: int
 ) -> tuple[SummedImage, SummedImage, SummedImage]:
     """Return the levels 1, 2 and 3 of the window; further ones than `levels` are empty."""
     x0, y0, x1, y1 = window
@@ -53,16 +83,34 @@ def _halved(
     if levels < 2:
         return none, none, none
     first = np.empty((size[0] // 2, size[1] // 2), np.uint16)
-    halve(image, x0, y0, first)
+    halve(image, x0, y0, _on_level(1, part, window), first)
     if levels < 3:
         return first, none, none
     second = np.empty((size[0] // 4, size[1] // 4), np.uint16)
-    halve(first, 0, 0, second)
+    halve(first, 0, 0, _on_level(2, part, window), second)
     if levels < 4:
         return first, second, none
     third = np.empty((size[0] // 8, size[1] // 8), np.uint16)
-    halve(second, 0, 0, third)
+    halve(second, 0, 0, _on_level(3, part, window), third)
     return first, second, third
+
+
+@uncounted
+def known_bounds(images: Images, k: int, out: NDArray[np.float64]) -> None:
+    """Write the bounds (4,) of what may be read of a level, where the part is not the window's end.
+
+    Samples beyond the window take the value at its border, so its ends are infinite.
+    """
+    level = _on_level(k, images.part, images.window)
+    smooth = images.smooth.shape[0] > 0
+    for axis in range(2):
+        low, high = float(level[axis]), float(level[axis + 2])
+        if k == 0 and smooth:  # the mask has counted the pixels at the rim again
+            low, high = low + 1.0, high - 1.0
+        elif k == 0:
+            low, high = float(images.part[axis]), float(images.part[axis + 2])
+        out[axis] = low if images.part[axis] > images.window[axis] else -np.inf
+        out[axis + 2] = high if images.part[axis + 2] < images.window[axis + 2] else np.inf
 
 
 @uncounted

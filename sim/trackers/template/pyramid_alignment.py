@@ -6,7 +6,15 @@ from numpy.typing import NDArray
 
 from seamark.sim.numerics.stack import on_stack
 from seamark.sim.numerics.uncounted import uncounted
-from seamark.sim.trackers.template.alignment import Stage, align, extract_patch, zncc
+from seamark.sim.trackers.template.alignment import (
+    MISSED,
+    SANE,
+    Stage,
+    align,
+    extract_patch,
+    is_known,
+    zncc,
+)
 from seamark.sim.trackers.template.level_buffers import (
     COLUMNS,
     PyramidLevels,
@@ -18,6 +26,7 @@ from seamark.sim.trackers.template.pyramid import (
     Images,
     from_pyramid_level,
     full_bounds,
+    known_bounds,
     resolutions,
     to_pyramid_level,
 )
@@ -61,60 +70,69 @@ def _shift(h: Matrix, du: float, dv: float) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _align_level(
     images: Images, k: int, h: Matrix, levels: PyramidLevels, stage: Stage
-) -> tuple[int, bool]:
-    """Improve h (of level 0) on level k; return iterations and whether h is valid."""
+) -> tuple[int, int]:
+    """Improve h (of level 0) on level k; return iterations and how it ended."""
     level = pyramid_level(levels, k)
-    bounds = on_stack(np.float64, 4)
+    bounds, known = on_stack(np.float64, 4), on_stack(np.float64, 4)
+    known_bounds(images, k, known)
     if k > 0:
         low = on_stack(np.float64, 3, 3)
         to_pyramid_level(h, k, images.window, low)
         small = images.small[k - 1]
         full_bounds(small, bounds)
-        done, sane = align(small, bounds, low, level, stage)
+        done, end = align(small, bounds, known, low, level, stage)
         from_pyramid_level(low, k, images.window, h)
-        return done, sane
+        return done, end
     if stage.smooth:
         _bounds(images, bounds)
-        return align(images.whole, bounds, h, level, stage)
+        return align(images.whole, bounds, known, h, level, stage)
     x0, y0 = float(images.window[0]), float(images.window[1])
     _shift(h, -x0, -y0)
     full_bounds(images.smooth, bounds)
-    done, sane = align(images.smooth, bounds, h, level, stage)
+    done, end = align(images.smooth, bounds, known, h, level, stage)
     _shift(h, x0, y0)
-    return done, sane
+    return done, end
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _extract(images: Images, k: int, h: Matrix, levels: PyramidLevels) -> None:
-    """Sample the image under h (of level 0) into the patch of level k."""
+def _extract(images: Images, k: int, h: Matrix, levels: PyramidLevels) -> bool:
+    """Sample the image under h (of level 0) into the patch of level k; False if it is not known."""
     low, bounds = on_stack(np.float64, 3, 3), on_stack(np.float64, 4)
+    known = on_stack(np.float64, 4)
     to_pyramid_level(h, k, images.window, low)
     level = pyramid_level(levels, k)
+    smooth = k == 0 and images.smooth.shape[0] > 0
+    if smooth:
+        _shift(low, -float(images.window[0]), -float(images.window[1]))
+    known_bounds(images, k, known)
+    if not is_known(low, level, known):
+        return False
     if k > 0:
         small = images.small[k - 1]
         full_bounds(small, bounds)
         extract_patch(small, bounds, low, level, True)
-    elif images.smooth.shape[0] == 0:
-        _bounds(images, bounds)
-        extract_patch(images.whole, bounds, low, level, True)
-    else:
-        _shift(low, -float(images.window[0]), -float(images.window[1]))
+    elif smooth:
         full_bounds(images.smooth, bounds)
         extract_patch(images.smooth, bounds, low, level, False)
+    else:
+        _bounds(images, bounds)
+        extract_patch(images.whole, bounds, low, level, True)
+    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _similarity_at(images: Images, k: int, h: Matrix, levels: PyramidLevels) -> float:
-    """Return the ZNCC of level k with the image under h (of level 0)."""
-    _extract(images, k, h, levels)
+    """Return the ZNCC of level k with the image under h (of level 0); NaN if it is not known."""
+    if not _extract(images, k, h, levels):
+        return np.nan
     return zncc(pyramid_level(levels, k))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def align_pyramid(
     images: Images, h: Matrix, levels: PyramidLevels, search: SearchSettings
-) -> tuple[int, bool, float]:
-    """Improve h on all levels; return iterations, validity and the final ZNCC.
+) -> tuple[int, int, float]:
+    """Improve h on all levels; return iterations, how it ended and the final ZNCC.
 
     The ZNCC is that of level 1, where the noise is a quarter as strong. Nothing outside the window
     is read.
@@ -122,11 +140,12 @@ def align_pyramid(
     done = 0
     for k in range(search.levels - 1, -1, -1):
         most = search.coarse_iterations if k > 0 else search.fine_iterations
-        more, sane = _align_level(images, k, h, levels, _stage(search, k, k > 0, most))
+        more, end = _align_level(images, k, h, levels, _stage(search, k, k > 0, most))
         done += more
-        if not sane:
-            return done, False, 0.0
-    return done, True, _similarity_at(images, min(1, search.levels - 1), h, levels)
+        if end != SANE:
+            return done, end, 0.0
+    similar = _similarity_at(images, min(1, search.levels - 1), h, levels)
+    return done, MISSED if np.isnan(similar) else SANE, similar
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -140,9 +159,9 @@ def _align_from(
             if (coarse and k < min(coarsest, _QUARTER)) or (not coarse and k > _QUARTER):
                 continue
             stage = _stage(search, k, coarse, SECOND_ITERATIONS)
-            more, sane = _align_level(images, k, h, levels, stage)
+            more, end = _align_level(images, k, h, levels, stage)
             done += more
-            if not sane:
+            if end != SANE:
                 return done, False
     return done, True
 
@@ -159,9 +178,10 @@ def search_again(
     """Write the best homography of the second search; return iterations and its ZNCC.
 
     It begins at the homography `start`, on one coarse level after the other until the ZNCC is
-    `enough`. If it finds none, the ZNCC is -1 and h unchanged.
+    `enough`. If it finds none, the ZNCC is -1 and h unchanged. The whole window must be known.
     """
-    every = resolutions(images.whole, images.window, search.second_levels, search.smooth_image)
+    whole = images.window
+    every = resolutions(images.whole, whole, whole, search.second_levels, search.smooth_image)
     top = search.second_levels - 1
     done, best = 0, -1.0
     warp = on_stack(np.float64, 3, 3)
@@ -187,7 +207,7 @@ def grid_search(
     """Move h to the position with the best ZNCC on a grid around the last one.
 
     The spacing is a quarter of the template's shorter side, so the alignment converges from the
-    nearest point.
+    nearest point. The whole window must be known.
     """
     k = min(1, search.levels - 1)
     pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
@@ -218,6 +238,6 @@ def extract_templates(
 ) -> None:
     """Extract the patches of all levels from the image in which the target is known."""
     count = max(search.levels, search.second_levels)
-    images = resolutions(image, window, count, search.smooth_image)
+    images = resolutions(image, window, window, count, search.smooth_image)
     for k in range(count):
         _extract(images, k, h, levels)

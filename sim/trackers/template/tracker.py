@@ -11,6 +11,7 @@ from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.template import alignment
 from seamark.sim.trackers.template.alignment import set_template
 from seamark.sim.trackers.template.frame_step import (
+    FOUND,
     MIN_SEARCH_PX,
     next_window,
     track_frame,
@@ -148,10 +149,10 @@ class TemplateTracker:
         """Find the target in the next image (H, W), of which only `window()` is read."""
         if image.shape != self._shape:
             raise ValueError(f"an image of {image.shape} after one of {self._shape}")
-        tracked, correlation, iterations = track_frame(
-            _contiguous(image), self._window, self._state, *self._known
+        found, correlation, iterations = track_frame(
+            _contiguous(image), self.window(), self._window, self._state, *self._known
         )
-        return Track(self._last.copy(), tracked, 1.0 - correlation, iterations)
+        return Track(self._last.copy(), found == FOUND, 1.0 - correlation, iterations)
 
     def _initial_state(
         self,

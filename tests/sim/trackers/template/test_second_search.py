@@ -114,7 +114,7 @@ def test_every_pyramid_level_shows_the_same_mean_grey_as_the_window() -> None:
     image = np.random.default_rng(1).integers(0, 256, (240, 320)).astype(np.uint8)
     window = (40, 24, 168, 120)
 
-    images = resolutions(image, window, MAX_LEVELS, True)
+    images = resolutions(image, window, window, MAX_LEVELS, True)
 
     wanted = image[24:120, 40:168].mean()
     for level, small in enumerate(images.small, start=1):
@@ -129,7 +129,9 @@ def test_an_image_is_smoothed_with_the_binomial_mask() -> None:
     image = np.random.default_rng(2).integers(0, 256, (60, 80)).astype(np.uint8)
     mask = np.outer([1, 2, 1], [1, 2, 1])
 
-    smooth = resolutions(image, (10, 20, 50, 52), 1, True).smooth
+    window = (10, 20, 50, 52)
+
+    smooth = resolutions(image, window, window, 1, True).smooth
 
     for row, column in ((1, 1), (15, 20), (30, 38)):
         around = image[20 + row - 1 : 20 + row + 2, 10 + column - 1 : 10 + column + 2]
