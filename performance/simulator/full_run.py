@@ -71,6 +71,7 @@ _PARTS: Mapping[str, tuple[tuple[Any, str], ...]] = {
     "sensors and position error": ((ClosedLoop, "_measure"),),
     "rendering, tracker and sensors in one call": ((ClosedLoop, "_look"),),
     "velocity controller": ((VelocityController, "step"),),
+    "velocity controller and physics in one call": ((ClosedLoop, "_advance"),),
     "program: built in, or our side of the exchange": ((BuiltIn, "step"), (Box, "step")),
     "recording, with the digest": ((telemetry.Recorder, "commit"),),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import importlib
 import os
@@ -158,6 +159,7 @@ def main() -> None:
     """Run the command line."""
     sys.excepthook = _platform_failed
     gc.set_threshold(GARBAGE_AFTER)
+    atexit.register(gc.freeze)  # the last search for garbage, in all of a simulator, took 0.4 s
     cli.main(prog_name="seamark")
 
 

@@ -77,6 +77,9 @@ class _ThrusterLoop(ClosedLoop):
         late = world.conditions.command_delay_steps
         self._pending = [np.zeros_like(self.thrust_commands)] * late
 
+    def _steers(self) -> None:
+        """Return None: the commands come from outside."""
+
     def commands(self, reference: Command) -> NDArray[np.float64]:
         """Return the thrusters' commands that arrive now."""
         self._pending.append(self.thrust_commands.copy())

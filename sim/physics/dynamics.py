@@ -312,7 +312,13 @@ def runge_kutta_step(
 @njit(cache=True, error_model="numpy")
 def advance_held(afloat: Lent[Afloat], first: int, steps: int, gate: float) -> int:
     """Advance the state with constant commands, as `integrate`; -1 if one is not a number."""
-    state, command, step_s, thrusters, fault, body, water, work = taken(afloat)
+    return advance_afloat(taken(afloat), first, steps, gate)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def advance_afloat(afloat: Afloat, first: int, steps: int, gate: float) -> int:
+    """Advance a vehicle as `advance_held`."""
+    state, command, step_s, thrusters, fault, body, water, work = afloat
     target = thrusters.target
     if not steady_thrust(command, thrusters.curve, target):
         return -1

@@ -74,7 +74,7 @@ class Plant:
         self.state = np.zeros(RIGID + len(vehicle.thrusters))
         self._work = integration_buffers(len(self.state))
         target = np.zeros(len(vehicle.thrusters))
-        afloat = Afloat(
+        self.afloat = Afloat(
             state=self.state,
             command=self._command,
             step_s=step_s,
@@ -84,7 +84,7 @@ class Plant:
             water=current.water,
             work=self._work,
         )
-        self._afloat = Lent(afloat)
+        self._lent = Lent(self.afloat)
         self._advance_held = SameTypes(advance_held)
         self._write_acceleration = SameTypes(write_acceleration)
         self._write_current = SameTypes(write_current)
@@ -115,14 +115,41 @@ class Plant:
             A command is not a number, or the gust of the current is too short.
         """
         self._take_command(step, command, steps)
+        self.finish(step, self._advance_freely(step, steps, self._gate()), steps)
+
+    def begin(self, step: int, steps: int) -> float:
+        """Begin steps with a command that compiled code takes; return the gate [m] to stop at.
+
+        `afloat` is what it advances, to the end or to the gate, and then `finish` does the rest.
+        This needs a plant without a fault, and no arm.
+
+        Raises
+        ------
+        ValueError
+            The gust of the current is too short.
+        """
+        if (step + steps) * self.step_s > self.current.duration_s + self.step_s:
+            raise ValueError(f"the gust was drawn for only {self.current.duration_s} s")
+        self._step = step + steps
+        return self._gate()
+
+    def finish(self, step: int, done: int, steps: int) -> None:
+        """Advance by the rest of the steps since `step`, of which so many are done already."""
+        step += done
         while step < self._step:
-            step += self._advance_freely(step, self._step - step)
+            self._advance_in_contact(step)
+            step += 1
             if step < self._step:
-                self._advance_in_contact(step)
-                step += 1
+                step += self._advance_freely(step, self._step - step, self._gate())
         if self.contact is not None:
             self._contact_force = self.contact.impulse_n_s / (steps * self.step_s)
             self.contact.impulse_n_s = 0.0
+
+    def _gate(self) -> float:
+        """Return the depth [m] at which things can touch: no step without them begins deeper."""
+        if self.contact is None:
+            return math.inf
+        return -math.inf if self.contact.awake else self.contact.gate_depth
 
     def _take_command(self, step: int, command: Array, steps: int) -> None:
         """Keep a command, and what the faulty thruster makes of it, for steps that are coming."""
@@ -134,16 +161,10 @@ class Plant:
         if self.fault is not None:
             commanded = float(thrust_from_command(self._command[self.fault.thruster], self.curve))
             self._fault.thrust[0] = self.fault.apply(step, commanded)
-        if (step + steps) * self.step_s > self.current.duration_s + self.step_s:
-            raise ValueError(f"the gust was drawn for only {self.current.duration_s} s")
-        self._step = step + steps
+        self.begin(step, steps)
 
-    def _advance_freely(self, step: int, steps: int, *, gate: float | None = None) -> int:
-        if gate is None:
-            gate = math.inf
-            if self.contact is not None:
-                gate = -math.inf if self.contact.awake else self.contact.gate_depth
-        done = self._advance_held.call(self._afloat, step, steps, gate)
+    def _advance_freely(self, step: int, steps: int, gate: float) -> int:
+        done = self._advance_held.call(self._lent, step, steps, gate)
         if done < 0:
             raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
         return done
@@ -152,7 +173,7 @@ class Plant:
         if self.contact is None:
             raise RuntimeError("a plant without contacts was stopped at the gate")
         before = self.state.copy()
-        self._advance_freely(step, 1, gate=math.inf)
+        self._advance_freely(step, 1, math.inf)
         impulse = self.contact.impulse(before, self.state, self.step_s)
         add_impulse(self.state, self.body.inverse_mass, impulse)
 
