@@ -19,6 +19,7 @@ from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
 if TYPE_CHECKING:
     from seamark.programs.preparation import PreparedProgram
     from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.sandbox.probing.probes import IsolationReport
 
 
 def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
@@ -181,10 +182,25 @@ def prepare_valid(path: Path, *, benchmark: str, role: str = "") -> PreparedProg
 @cache  # trying takes most of a second, and a search and its validation both ask
 def isolation_level() -> IsolationLevel:
     """Return the isolation level of sandboxes on this machine; PlatformFailed if it is none."""
-    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
-    isolation = probe()
+    return _sufficient(probe())
+
+
+def isolation_level_while_loading(benchmark: str) -> IsolationLevel:
+    """Return the isolation level, found while this process loads what runs of a benchmark need."""
+    from seamark.sandbox.probing.beside import probing
+
+    with probing() as report:
+        from seamark.sim.engine.warm_up import warm_up_benchmark
+
+        warm_up_benchmark(benchmark)
+        return _sufficient(report())
+
+
+def _sufficient(isolation: IsolationReport) -> IsolationLevel:
+    from seamark.sandbox.isolation.level import IsolationLevel
+
     if isolation.level is IsolationLevel.NONE:
         raise PlatformFailed(
             f"Programs cannot run on this machine: {isolation.sentence()}. `seamark doctor` says "

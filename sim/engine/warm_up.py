@@ -5,7 +5,7 @@ Where nothing is compiled yet, several processes do that together.
 
 import os
 from collections.abc import Callable, Iterable
-from functools import partial
+from functools import cache, partial
 
 import cv2
 
@@ -51,8 +51,9 @@ def warm_up(on_part: OnPart = lambda ready, of: None) -> None:
     )
 
 
+@cache
 def warm_up_benchmark(name: str) -> None:
-    """Load what runs of one benchmark need with its defaults."""
+    """Load what runs of one benchmark need with its defaults; once in a process."""
     cv2.setNumThreads(1)
     run_parts({name: partial(_shortest_trial, name)} | _further([name]), numba_folder(os.environ))
 

@@ -175,7 +175,7 @@ def _computed(
 
     from seamark.cli.output_folder import RowsInMemory
     from seamark.cli.simulator_loading import loading_shown
-    from seamark.cli.solutions import isolation_level, sandbox_failures_explained
+    from seamark.cli.solutions import isolation_level_while_loading, sandbox_failures_explained
     from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sim.recording.telemetry import WIDTH
@@ -183,13 +183,15 @@ def _computed(
 
     manifest, rows = archived.manifest, RowsInMemory()
     seeds = manifest.trial_seeds()
-    isolation = isolation_level() if program is not None or parts else IsolationLevel.NONE
     try:
         with (
             sandbox_failures_explained(),
             Progress(manifest.benchmark, quiet=quiet) as bar,
             loading_shown(bar),
         ):
+            isolation = IsolationLevel.NONE
+            if program is not None or parts:
+                isolation = isolation_level_while_loading(manifest.benchmark)
             from seamark.worker.evaluation.local import Callbacks, evaluate_seeds
 
             outcome = evaluate_seeds(

@@ -159,18 +159,20 @@ def _header_comments(local_run: LocalRun) -> list[str]:
 
 def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
     from seamark.cli.simulator_loading import loading_shown
-    from seamark.cli.solutions import isolation_level, sandbox_failures_explained
+    from seamark.cli.solutions import isolation_level_while_loading, sandbox_failures_explained
     from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
 
     program = local_run.program
     boxes = program is not None or local_run.parts
-    isolation = isolation_level() if boxes else IsolationLevel.NONE
     with (
         sandbox_failures_explained(),
         Progress(local_run.benchmark, quiet=quiet) as bar,
         loading_shown(bar),
     ):
+        isolation = IsolationLevel.NONE
+        if boxes:
+            isolation = isolation_level_while_loading(local_run.benchmark)
         from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
         callbacks = Callbacks(
