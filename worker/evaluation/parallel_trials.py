@@ -2,7 +2,8 @@
 
 Each trial is a fork of this process, pinned to one core together with its box. The messages of the
 first trial that has not ended are forwarded at once; those of the later trials are buffered until
-their turn. So a listener cannot tell how many processes there were.
+their turn. So a listener cannot tell how many processes there were, but by how many rows it gets
+at once.
 """
 
 import os
@@ -17,7 +18,7 @@ from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool, stock_key
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.ipc import messages
-from seamark.worker.ipc.listener import Listener, Sender, deliver
+from seamark.worker.ipc.listener import GatheringSender, Listener, deliver
 from seamark.worker.ipc.messages import BoxFailed, Crashed, Message, Reader, TrialReport
 from seamark.worker.ipc.outcomes import TrialOutcome
 from seamark.worker.ipc.process_control import die_with_parent, pin, run_forked
@@ -254,7 +255,9 @@ def _child(
 
 def _result(run_trial: RunTrial, trial: int, channel: socket.socket) -> Message:
     try:
-        return TrialReport.of(run_trial(trial, Sender(channel)))
+        with GatheringSender(channel) as sender:
+            outcome = run_trial(trial, sender)
+        return TrialReport.of(outcome)
     except SandboxBroken as broken:
         return BoxFailed(str(broken))
 

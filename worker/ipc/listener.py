@@ -1,13 +1,19 @@
 """Listeners: the receivers of what happens during a run, in this process or across a socket."""
 
 import socket
-from typing import Protocol
+import time
+from types import TracebackType
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.messages import Log, Message, Rows, TrialEnded, TrialRestarted
+
+# [s] a simulator writes rows a thousand times a second, and each message wakes the process that
+# reads it: as much work as a few control steps. Whoever watches sees no delay that short.
+TOGETHER_S = 0.05
 
 
 class Listener(Protocol):
@@ -47,6 +53,58 @@ class Sender:
     def trial_restarted(self, trial: int, reason: str) -> None:
         """Send that a trial starts again."""
         messages.send(self._channel, TrialRestarted(trial, reason))
+
+
+class GatheringSender(Sender):
+    """A sender of fewer messages: rows wait for others, but no longer than `TOGETHER_S`.
+
+    Leaving it as a context sends the last ones.
+    """
+
+    def __init__(self, channel: socket.socket) -> None:
+        super().__init__(channel)
+        self._waiting: list[NDArray[np.float64]] = []
+        self._send_at_s = 0.0  # monotonic
+
+    def rows(self, rows: NDArray[np.float64]) -> None:
+        """Send telemetry, unless some has just been sent."""
+        self._waiting.append(rows)
+        if time.monotonic() >= self._send_at_s:
+            self._send_rows()
+
+    def log(self, text: bytes) -> None:
+        """Send what the program printed, after the rows before it."""
+        self._send_rows()
+        super().log(text)
+
+    def trial_ended(self, trial: int) -> None:
+        """Send that a trial is complete, after its rows."""
+        self._send_rows()
+        super().trial_ended(trial)
+
+    def trial_restarted(self, trial: int, reason: str) -> None:
+        """Send that a trial starts again; nobody needs its rows that wait."""
+        self._waiting.clear()
+        super().trial_restarted(trial, reason)
+
+    def _send_rows(self) -> None:
+        if self._waiting:
+            super().rows(np.concatenate(self._waiting))
+            self._waiting.clear()
+            self._send_at_s = time.monotonic() + TOGETHER_S
+
+    def __enter__(self) -> Self:
+        """Return the sender itself."""
+        return self
+
+    def __exit__(
+        self,
+        error_type: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Send the rows that wait."""
+        self._send_rows()
 
 
 def deliver(message: Message, listener: Listener) -> None:

@@ -20,7 +20,7 @@ from seamark.sim.recording.telemetry import STEP_US, WIDTH
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
-from seamark.worker.evaluation.local import Callbacks, evaluate_locally
+from seamark.worker.evaluation.local import Callbacks, Progress, evaluate_locally
 from seamark.worker.evaluation.parallel_trials import ParallelTrials, TrialBroken
 from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
@@ -57,17 +57,18 @@ def received_here(
     controller: str | tuple[bytes, str] = "pi",
     isolation: IsolationLevel = IsolationLevel.NONE,
 ) -> tuple[RunOutcome, list[Any]]:
-    received: list[Any] = []
-    callbacks = Callbacks(
-        rows=lambda rows: received.append(np.delete(rows, STEP_US, axis=1).tolist()),
+    received, progress = list[Any](), list[Progress]()
+    callbacks = Callbacks(  # rows one by one: how many come at once does depend on the processes
+        rows=lambda rows: received.extend(np.delete(rows, STEP_US, axis=1).tolist()),
         log=received.append,
-        progress=received.append,
+        progress=progress.append,
         trial_restarted=received.append,
     )
     order = {"seed": 3, "trials": 3, "callbacks": callbacks, "processes": processes}
-    return evaluate_locally(
+    outcome = evaluate_locally(
         "currents-v1", SHORT, controller=controller, isolation=isolation, **order
-    ), received
+    )
+    return outcome, [*received, progress[-1]]
 
 
 @pytest.mark.slow
