@@ -220,10 +220,12 @@ class ProcessTree:
         """Let all processes of a box without a program run on these cores."""
         if not self._init_pid or os.sched_getaffinity(self._init_pid) == cores:
             return
-        for pid in self.processes():
-            # Without permission it is slower, not wrong; a process that ended is noticed later.
+        # The group knows its threads at once; without one, all processes of the host are looked at.
+        within = self.processes() if self._cgroup is None else self._cgroup.threads()
+        for thread in within:
+            # Without permission it is slower, not wrong; a thread that ended is noticed later.
             with contextlib.suppress(PermissionError, ProcessLookupError):
-                os.sched_setaffinity(pid, cores)
+                os.sched_setaffinity(thread, cores)
 
     def kill(self) -> None:
         """Kill every process and wait for the kernel; SandboxBroken if one survives.
