@@ -1,6 +1,5 @@
 """Energy and power of thrusters, as every benchmark with thrusters has them."""
 
-import math
 from typing import Any, Protocol
 
 import numpy as np
@@ -8,7 +7,7 @@ import numpy as np
 from seamark.sim.metrics.metric import SUM, LevelMetric
 from seamark.sim.metrics.windows import THRUST_COLUMNS, Window
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.statistics import mean
+from seamark.sim.numerics.exact_sums import exact_mean, exact_sum
 
 ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
 
@@ -25,7 +24,7 @@ class Thrusting(Protocol):
 
 def _energy(level: Thrusting) -> float:
     size = np.abs(level.thrust)
-    return math.fsum((size * np.sqrt(size)).ravel().tolist()) * level.dt
+    return exact_sum(size * np.sqrt(size)) * level.dt
 
 
 def power_share(level: Window) -> float:
@@ -33,7 +32,7 @@ def power_share(level: Window) -> float:
     forward, reverse = level.facts.limits_n
     thrust = level.thrust[:, : level.facts.thrusters]
     share = np.where(thrust > 0.0, thrust / forward, -thrust / reverse)
-    return mean((share * np.sqrt(share)).ravel().tolist())
+    return exact_mean(share * np.sqrt(share))
 
 
 ENERGY: LevelMetric[Any] = LevelMetric(

@@ -33,7 +33,9 @@ from seamark.sim.metrics.windows import (
     Window,
     percent,
 )
-from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.exact_sums import exact_mean, exact_root_mean_square, exact_sum
+from seamark.sim.numerics.statistics import mean, percentile
 from seamark.sim.recording.telemetry import INDEX, Rows
 
 SCORE_LENGTH_M = 0.25  # [m] RMSE at which a level earns half of its points
@@ -62,17 +64,17 @@ def points(rmse_m: float, lost_share: float) -> float:
     return 100.0 / (1.0 + rmse_m / SCORE_LENGTH_M) * (1.0 - lost_share)
 
 
-def _defined(values: list[float]) -> list[float]:
+def _defined(values: Array) -> Array:
     """Return the values; nan alone if one is nan, since nan has no order."""
-    return [math.nan] if any(map(math.isnan, values)) else values
+    return np.array([math.nan]) if np.isnan(values).any() else values
 
 
-def _p95(values: list[float]) -> float:
-    return percentile(values, 0.95)
+def _p95(values: Array) -> float:
+    return percentile(np.sort(values).tolist(), 0.95)
 
 
-def _largest(values: list[float]) -> float:
-    return max(values, default=math.nan)
+def _largest(values: Array) -> float:
+    return max(values.tolist(), default=math.nan)
 
 
 def _distance_metrics(
@@ -81,7 +83,7 @@ def _distance_metrics(
     """Yield RMSE, mean, 95th percentile and maximum of a column of distances."""
 
     def of(statistic: Any) -> Any:
-        return lambda window: statistic(_defined(window.column(column)))
+        return lambda window: statistic(_defined(window.values(column)))
 
     metric = partial(LevelMetric, unit=unit, better="lower", reads=(column,))
     yield metric(
@@ -90,13 +92,13 @@ def _distance_metrics(
         meaning="root mean square: large errors weigh more",
         formula=f"sqrt(sum {symbol}^2 / N)",
         over=RMS,
-        compute=of(root_mean_square),
+        compute=of(exact_root_mean_square),
     )
     yield metric(
         name=f"mae_{unit}",
         label=f"Mean {what}",
         formula=f"sum {symbol} / N",
-        compute=of(mean),
+        compute=of(exact_mean),
     )
     yield metric(
         name=f"p95_{unit}",
@@ -125,7 +127,7 @@ def _mean_error_metric(axis: str, direction: str) -> LevelMetric[Window]:
         f"{axis.upper()} ({direction})",
         formula=f"sum of (target - centre) along image {axis.upper()} / N, signed",
         reads=(f"error_{axis}_px",),
-        compute=lambda window: mean(window.column(f"error_{axis}_px")),
+        compute=lambda window: exact_mean(window.values(f"error_{axis}_px")),
     )
 
 
@@ -137,23 +139,22 @@ def _circle_metric(radius_m: float) -> LevelMetric[Window]:
         better="higher",
         formula=f"100 x control steps with d <= {radius_m:g} m / N",
         reads=("distance",),
-        compute=lambda window: percent([d <= radius_m for d in window.distance_m]),
+        compute=lambda window: percent((window.values("distance") <= radius_m).tolist()),
     )
 
 
 def _vrx(window: Window) -> float:
-    pairs = zip(window.distance_m, window.heading_error, strict=True)
+    pairs = zip(window.distance_m, window.heading_error.tolist(), strict=True)
     return mean([distance + VRX_BASE**distance * heading for distance, heading in pairs])
 
 
 def _thrust_rms(window: Window) -> float:
-    squares = (np.abs(window.thrust) * np.abs(window.thrust)).sum(axis=1).tolist()
-    return math.sqrt(mean(squares)) if squares else math.nan
+    return math.sqrt(exact_mean((np.abs(window.thrust) * np.abs(window.thrust)).sum(axis=1)))
 
 
 def _variation(window: Window) -> float:
     references = window.rows[:, INDEX["ref_u"] : INDEX["ref_w"] + 1]
-    return math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist())
+    return exact_sum(np.abs(np.diff(references, axis=0)))
 
 
 def _saturated(window: Window) -> float:
@@ -164,14 +165,14 @@ def _saturated(window: Window) -> float:
 
 def _collisions(window: Window) -> float:
     """Return the number of contacts, where those less than `REBOUND_S` apart are one."""
-    touched = [at for at, force in enumerate(window.column("contact_n")) if force > 0.0]
+    touched = np.flatnonzero(window.values("contact_n") > 0.0).tolist()
     apart = round(REBOUND_S / window.dt)
     starts = sum(1 for a, b in pairwise(touched) if b - a > apart)
     return float(starts + bool(touched))
 
 
 def _contact_time(window: Window) -> float:
-    return sum(1 for force in window.column("contact_n") if force > 0.0) * window.dt
+    return int(np.count_nonzero(window.values("contact_n") > 0.0)) * window.dt
 
 
 METRICS: tuple[LevelMetric[Window], ...] = (
@@ -188,7 +189,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         formula="sum d dt",
         over=SUM,
         reads=("distance",),
-        compute=lambda window: math.fsum(window.distance_m) * window.dt,
+        compute=lambda window: exact_sum(window.values("distance")) * window.dt,
     ),
     LevelMetric(
         name="ise_m2_s",
@@ -198,7 +199,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         formula="sum d^2 dt",
         over=SUM,
         reads=("distance",),
-        compute=lambda window: math.fsum(d * d for d in window.distance_m) * window.dt,
+        compute=lambda window: exact_sum(window.values("distance") ** 2) * window.dt,
     ),
     LevelMetric(
         name="itae_m_s2",
@@ -210,7 +211,8 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         over=SUM,
         reads=("distance",),
         compute=lambda window: (
-            math.fsum(at * window.dt * d for at, d in enumerate(window.distance_m)) * window.dt
+            exact_sum(np.arange(len(window.rows)) * window.dt * window.values("distance"))
+            * window.dt
         ),
     ),
     LevelMetric(
@@ -221,7 +223,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         formula="sqrt(sum (yaw - reference)^2 / N), the angle within -pi to pi",
         over=RMS,
         reads=("yaw",),
-        compute=lambda window: root_mean_square(window.heading_error),
+        compute=lambda window: exact_root_mean_square(window.heading_error),
     ),
     LevelMetric(
         name="vrx_m",
@@ -308,7 +310,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         formula="maximum contact force, mean over a control period",
         over=MAX,
         reads=("contact_n",),
-        compute=lambda window: _largest(window.column("contact_n")),
+        compute=lambda window: _largest(window.values("contact_n")),
     ),
 )
 POINTS: LevelMetric[Level] = LevelMetric(
@@ -320,7 +322,8 @@ POINTS: LevelMetric[Level] = LevelMetric(
     formula=f"100 / (1 + rmse_m / {SCORE_LENGTH_M:g} m) x (1 - {WHOLE}lost_percent / 100)",
     reads=("distance", *LOST_COLUMNS),
     compute=lambda level: points(
-        root_mean_square(_defined(level.settled.distance_m)), level.whole.lost_percent / 100.0
+        exact_root_mean_square(_defined(level.settled.values("distance"))),
+        level.whole.lost_percent / 100.0,
     ),
 )
 SETTLING: LevelMetric[Level] = LevelMetric(
@@ -368,5 +371,5 @@ def level_metrics(
 
 
 def _held(level: Level) -> bool:
-    within = percentile(_defined(level.whole.distance_m), 0.95) < HELD_P95_M
+    within = _p95(_defined(level.whole.values("distance"))) < HELD_P95_M
     return within and level.whole.lost_percent == 0.0

@@ -7,6 +7,8 @@ heading displaces it as well. In the formulas s is its true distance [m] from wh
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from seamark.sim.metrics.energy import POWER, power_share
 from seamark.sim.metrics.metric import RMS, LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.windows import (
@@ -38,8 +40,8 @@ class ToolWindow(Window):
 
 def in_circles(errors: Sequence[float], lost_rows: Sequence[bool]) -> float:
     """Return the share of the time, 0 to 1, within each of the watch circles, averaged."""
-    seen = [error for error, gone in zip(errors, lost_rows, strict=True) if not gone]
-    hits = sum(1 for error in seen for radius in CIRCLES_M if error <= radius)
+    seen = np.array(errors)[~np.array(lost_rows, bool)]
+    hits = sum(int(np.count_nonzero(seen <= radius)) for radius in CIRCLES_M)
     return hits / (len(errors) * len(CIRCLES_M)) if errors else math.nan
 
 

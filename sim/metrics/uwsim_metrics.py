@@ -25,6 +25,7 @@ from seamark.sim.metrics.metric import (
     weighted_by,
 )
 from seamark.sim.metrics.windows import LOST_COLUMNS
+from seamark.sim.numerics.exact_sums import exact_mean
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, Rows, has_route
 
@@ -65,7 +66,7 @@ def collision(*, steps: float, mean_speed: float, max_speed: float) -> float:
 def position_error(rows: Rows, target: Point) -> dict[str, float]:
     """Return the mean distance from a position, NED, and the mean absolute error per axis [m]."""
     off = rows[:, INDEX["x"] : INDEX["z"] + 1] - np.array(target)
-    axes = {axis: mean(np.abs(off[:, i]).tolist()) for i, axis in enumerate("xyz")}
+    axes = {axis: exact_mean(np.abs(off[:, i])) for i, axis in enumerate("xyz")}
     return {"total": mean(_lengths(off))} | axes
 
 
@@ -75,7 +76,7 @@ def attitude_error(rows: Rows) -> float:
     # The trace of the rotation between two attitudes is 1 + 2 cos(angle).
     trace = sum(entry * entry[0] for entry in rotation)
     cosines = np.clip(0.5 * (trace - 1.0), -1.0, 1.0)
-    return mean([math.acos(cosine) for cosine in cosines.tolist()])
+    return mean([*map(math.acos, cosines.tolist())])
 
 
 def distance(rows: Rows) -> float:
@@ -93,7 +94,7 @@ def euclidean_norm(rows: Rows) -> dict[str, float]:
     seen = rows[rows[:, INDEX["tracker_ok"]] == 1.0]
     off = seen[:, _columns("tracked_x", "tracked_y")] - seen[:, _columns("target_x", "target_y")]
     return {
-        "corners": 2.0 * mean(_column(seen, "tracker_error")),
+        "corners": 2.0 * exact_mean(seen[:, INDEX["tracker_error"]]),
         "centroid": mean(_lengths(off)),
     }
 
@@ -101,9 +102,9 @@ def euclidean_norm(rows: Rows) -> dict[str, float]:
 def object_centered_on_cam(rows: Rows) -> dict[str, float]:
     """Return the mean distance of the true target from the image centre, and by axis [px]."""
     return {
-        "total": mean(_column(rows, "distance_px")),
-        "x": mean([abs(value) for value in _column(rows, "error_x_px")]),
-        "y": mean([abs(value) for value in _column(rows, "error_y_px")]),
+        "total": exact_mean(rows[:, INDEX["distance_px"]]),
+        "x": exact_mean(np.abs(rows[:, INDEX["error_x_px"]])),
+        "y": exact_mean(np.abs(rows[:, INDEX["error_y_px"]])),
     }
 
 
@@ -140,7 +141,9 @@ def _to_segment(position: Sequence[float], start: Sequence[float], end: Sequence
 
 
 def _sine_and_cosine(angles: Sequence[float]) -> tuple[Column, Column]:
-    return np.array([math.sin(a) for a in angles]), np.array([math.cos(a) for a in angles])
+    count = len(angles)  # not NumPy's, whose last bits depend on the processor
+    sines = np.fromiter(map(math.sin, angles), np.float64, count)
+    return sines, np.fromiter(map(math.cos, angles), np.float64, count)
 
 
 def _rotation(roll: Turn, pitch: Turn, yaw: Turn) -> tuple[Column, ...]:
@@ -163,7 +166,7 @@ def _column(rows: Rows, name: str) -> list[float]:
 
 
 def _lengths(vectors: Rows) -> list[float]:
-    return [math.hypot(*vector) for vector in vectors.tolist()]
+    return [*map(math.hypot, *vectors.T.tolist())]
 
 
 class Level:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.metrics.metric import Absent
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import (
     COMMON_THRUSTERS,
     INDEX,
@@ -43,9 +44,14 @@ class Window:
     def __init__(self, rows: Rows, facts: LevelFacts) -> None:
         self.rows, self.facts, self.dt = rows, facts, facts.dt
 
-    def column(self, name: str) -> list[float]:
+    def values(self, name: str) -> Array:
         """Return a column of the telemetry, (N,)."""
-        values: list[float] = self.rows[:, INDEX[name]].tolist()
+        column: Array = self.rows[:, INDEX[name]]
+        return column
+
+    def column(self, name: str) -> list[float]:
+        """Return it as a list."""
+        values: list[float] = self.values(name).tolist()
         return values
 
     @cached_property
@@ -54,10 +60,11 @@ class Window:
         return self.column("distance")
 
     @cached_property
-    def heading_error(self) -> list[float]:
+    def heading_error(self) -> Array:
         """Size of the heading error, (N,) [rad] in [0, pi]."""
-        turn, reference = 2.0 * math.pi, self.facts.heading
-        return [abs((yaw - reference + math.pi) % turn - math.pi) for yaw in self.column("yaw")]
+        turned = (self.values("yaw") - self.facts.heading + math.pi) % (2.0 * math.pi)
+        size: Array = np.abs(turned - math.pi)
+        return size
 
     @cached_property
     def thrust(self) -> NDArray[np.float64]:
