@@ -55,8 +55,28 @@ class Lent(Generic[_Lent]):
         """Lend a number, an array, or nested tuples of them, as `lend`."""
         self._value, self._words = value, lend(value)
         self.address: int = self._words.ctypes.data
+        self.kind = _kind(value)
+
+
+_KINDS: dict[object, types.Type] = {}  # by what `_description` returns
+
+
+def _kind(value: object) -> types.Type:
+    """Return the type of a value. Numba takes a millisecond for that of all that a level has."""
+    described = _description(value)
+    if described not in _KINDS:
         type_of: Any = numba.typeof
-        self.kind: types.Type = type_of(value)
+        _KINDS[described] = type_of(value)
+    return _KINDS[described]
+
+
+def _description(value: object) -> object:
+    """Return what decides the type of a value that `lend` takes."""
+    if isinstance(value, tuple):
+        return (type(value), *map(_description, value))
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.writeable, value.flags.aligned
+    return type(value)
 
 
 class _LentType(types.Type):
