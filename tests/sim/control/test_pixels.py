@@ -58,6 +58,7 @@ with np.load(WEIGHTS) as stored:
 random = np.random.default_rng(1)
 image = random.integers(90, 120, (480, 640)).astype(np.uint8)
 image[200:240, 300:400] //= 3
+image.flags.writeable = False  # as those that programs are given
 total = hashlib.sha256(Eye(eye).output(image).tobytes())
 steering = Hand(hand)
 for thrusters in (5, 8):

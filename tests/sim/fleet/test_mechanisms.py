@@ -30,7 +30,9 @@ def current(i: int) -> Current:
 
 
 def tabulated(i: int) -> Current:
-    site = Site(bottom_m=GROUND.depth, start_m=GROUND.depth - 3.0, azimuth_rad=i, duration_s=5.0)
+    site = Site(
+        bottom_m=GROUND.depth, start_m=GROUND.depth - 3.0, azimuth_rad=float(i), duration_s=5.0
+    )
     motion = Motion(place=PLACES["ria"], waves=Waves(0.5, 4.0))
     return current_of(0.1 + 0.02 * i, motion, site, streams(i, 0, 0))
 
