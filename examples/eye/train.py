@@ -1,13 +1,16 @@
-"""Train the eye of currents-v2's entry `pixels` with PyTorch, and keep it beside a trained hand.
+"""Train an eye for currents-v2 with PyTorch, and pack it with a trained hand as ONNX.
 
     pip install "seamark[gym,box]" "stable-baselines3>=2.9" onnx
     python examples/ppo/train.py --out hand.zip
-    python examples/eye/train.py hand.zip --keep sim/control/position/pixels
-    seamark run currents-v2 --controller pixels --set images=vehicle --trials 8
+    python examples/eye/train.py hand.zip --out eye.zip
+    seamark run currents-v2 --controller eye.zip --set images=vehicle --trials 8
+    seamark submit currents-v2 --controller eye.zip --set images=vehicle --ranked --wait
 
 The first round has images of vehicles that wander about, the second of vehicles that the entry
 steers with the eye of the first one (DAgger: Ross, Gordon and Bagnell 2011). The same seed gives
-the same weights where PyTorch adds in the same order, which depends on the processor.
+the same weights where PyTorch adds in the same order, which depends on the processor. In the end
+the archive steers from a sandbox, and has to act as the reference entry `pixels` with the same
+weights, which steers in the second round. `--keep` writes what that entry is made of.
 """
 
 import argparse
@@ -18,6 +21,7 @@ import time
 import zipfile
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 try:
     import onnx
@@ -29,6 +33,7 @@ except ImportError as missing:
     )
 import numpy as np
 from looking import KINDS, Pupil, Shown, Wanderer, look
+from packing import beside, pack
 from torch import nn
 
 from seamark.sim.control.position.pixels.eye import CELL_PX, COLUMNS, LAYERS, ROWS
@@ -41,6 +46,7 @@ PASSES, BATCH, RATE = 3, 32, 2e-3
 OFFSETS_WEIGH = 4.0
 FAR = 1.1  # cells beside that of the target, which learn where it is too
 SHOWN_EVERY = 500  # steps
+TOLERANCE = 1e-5  # [m/s, rad/s]: float32, added in another order
 
 
 def new_network() -> nn.Sequential:
@@ -132,19 +138,25 @@ def hand_of(archive: Path) -> dict[str, np.ndarray]:
     return {f"hand_{array.name}": onnx.numpy_helper.to_array(array) for array in stored}
 
 
-def main() -> None:
-    """Look, train, look as the entry, train, judge and keep."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("hand", type=Path, help="Archive of examples/ppo/train.py.")
-    parser.add_argument("--keep", type=Path, required=True, help="Folder of weights and notes.")
-    parser.add_argument("--seed", type=int, default=1, help="Of the training.")
-    parser.add_argument("--vehicles", type=int, default=VEHICLES, help="Of each kind in a round.")
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="That each of them looks.")
-    chosen = parser.parse_args()
-    torch.set_num_threads(1)
-    torch.manual_seed(chosen.seed)
-    network, hand, shown = new_network(), hand_of(chosen.hand), Shown()
-    found: dict[str, dict[str, float]] = {}
+def difference(archive: Path, weights: dict[str, np.ndarray]) -> float:
+    """Return by how much the archive in its box differs from the entry [m/s, rad/s]."""
+    level = {"levels": [0.3], "tracker": "truth"}
+    commands = (beside(archive, weights, kind, **level) for kind in KINDS)
+    return max(float(np.abs(boxed - trained).max()) for boxed, trained in commands)
+
+
+def keep(folder: Path, weights: dict[str, np.ndarray], notes: dict[str, Any]) -> None:
+    """Write what the reference entry is made of."""
+    np.savez(folder / "weights.npz", **weights)
+    text = json.dumps(notes, indent=1) + "\n"
+    (folder / "eye.json").write_text(text, encoding="utf-8")
+
+
+def learned(
+    network: nn.Sequential, hand: dict[str, np.ndarray], chosen: argparse.Namespace
+) -> dict[str, Any]:
+    """Train the network in two rounds; return what is known of them."""
+    shown, found = Shown(), {}
     spent = {"looking": 0.0, "training": 0.0}
     for turn, name in enumerate(("wandering", "as the entry")):
         begin, others = time.process_time(), Shown()
@@ -162,8 +174,7 @@ def main() -> None:
         spent["training"] += time.process_time() - looked
         found[name] = judged(network, others)
         print(f"{name}: {found[name]}, {time.process_time() - looked:.0f} s", flush=True)
-    np.savez(chosen.keep / "weights.npz", **weights_of(network), **hand)
-    notes = {
+    return {
         "trained": f"{datetime.now(UTC):%Y-%m-%d}",
         "images": len(shown.images),
         "seeds": [SEEDS, SEEDS + SEEDS_APART * 3 + chosen.vehicles - 1],
@@ -171,9 +182,36 @@ def main() -> None:
         "cpu_s": {name: round(seconds) for name, seconds in spent.items()},
         "judged": found,
     }
-    text = json.dumps(notes, indent=1) + "\n"
-    (chosen.keep / "eye.json").write_text(text, encoding="utf-8")
-    print(f"Kept the eye and the hand in {chosen.keep}: {sum(spent.values()):.0f} s in all.")
+
+
+def main() -> None:
+    """Look, train, look as the entry, train, judge, pack and check."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("hand", type=Path, help="Archive of examples/ppo/train.py.")
+    parser.add_argument("--seed", type=int, default=1, help="Of the training.")
+    parser.add_argument("--vehicles", type=int, default=VEHICLES, help="Of each kind in a round.")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="That each of them looks.")
+    parser.add_argument("--out", type=Path, default=Path("eye.zip"))
+    parser.add_argument(
+        "--keep", type=Path, metavar="FOLDER", help="Write eye.json and weights.npz there, too."
+    )
+    chosen = parser.parse_args()
+    torch.set_num_threads(1)
+    torch.manual_seed(chosen.seed)
+    network, hand = new_network(), hand_of(chosen.hand)
+    notes = learned(network, hand, chosen)
+    weights = weights_of(network) | hand
+    pack(weights, chosen.hand, chosen.out)
+    if chosen.keep:
+        keep(chosen.keep, weights, notes)
+    if (off := difference(chosen.out, weights)) > TOLERANCE:
+        sys.exit(f"{chosen.out} acts otherwise in its box than in training, by {off:g} m/s.")
+    print(f"Wrote {chosen.out} after {sum(notes['cpu_s'].values())} s of processor time.")
+    print(f"In its box it acts as in training, to {off:.1g} m/s.")
+    print("Evaluate and submit it:")
+    options = f"currents-v2 --controller {chosen.out} --set images=vehicle"
+    print(f"  seamark run {options} --trials 8")
+    print(f"  seamark submit {options} --ranked --wait")
 
 
 if __name__ == "__main__":

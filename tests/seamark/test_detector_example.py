@@ -71,21 +71,6 @@ def inside(corners: np.ndarray) -> bool:
     return bool((middle >= 0).all() and (middle <= (319, 239)).all())
 
 
-def test_the_example_without_pytorch_says_what_to_install() -> None:
-    hidden = (
-        f"import sys, runpy; sys.modules['torch'] = None; sys.path.insert(0, {str(EXAMPLE)!r}); "
-    )
-    program = f"{hidden}runpy.run_path({str(EXAMPLE / 'train.py')!r}, run_name='__main__')"
-
-    ended = subprocess.run(
-        [sys.executable, "-c", program], check=False, capture_output=True, text=True
-    )
-
-    assert ended.returncode == 1
-    assert "pip install torch" in ended.stderr
-    assert "Traceback" not in ended.stderr
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("torch") is None, reason="PyTorch is not installed")
 def test_a_short_training_packs_a_detector_and_the_weights_of_an_entry(tmp_path: Path) -> None:

@@ -1,6 +1,8 @@
-"""The example of docs/training.md trains, and what it writes is the policy that it trained."""
+"""The examples of docs/training.md: what they need, and that they write what they have trained."""
 
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,32 @@ TRAIN = (
     f"import runpy; runpy.run_path({str(EXAMPLES / 'train_station_keeping.py')!r}, "
     "run_name='__main__')"
 )
+
+
+@pytest.mark.parametrize(
+    ("example", "library", "install"),
+    [
+        ("ppo", "stable_baselines3", 'pip install "stable-baselines3>=2.9"'),
+        ("eye", "torch", "pip install torch onnx"),
+        ("detector", "torch", "pip install torch"),
+    ],
+)
+def test_an_example_without_its_library_says_what_to_install(
+    example: str, library: str, install: str
+) -> None:
+    folder = EXAMPLES / example
+    hidden = f"import sys, runpy; sys.modules[{library!r}] = None; "
+    program = (
+        f"{hidden}sys.path.insert(0, {str(folder)!r}); "
+        f"runpy.run_path({str(folder / 'train.py')!r}, run_name='__main__')"
+    )
+
+    command = [sys.executable, "-c", program]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True)
+
+    assert ended.returncode == 1
+    assert install in ended.stderr
+    assert "Traceback" not in ended.stderr
 
 
 @pytest.mark.slow

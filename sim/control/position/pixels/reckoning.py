@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 from seamark.sim.camera.optics import MOUNT_M
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import sincos
-from seamark.sim.physics import constants
+from seamark.sim.physics.constants import TARGET_HEIGHT_M
 
 LEARN = 0.3  # E: share of a new sight in what is remembered
 STEPS = 12  # control steps that are remembered, more than an image is late
-BELOW_CAMERA_M = MOUNT_M[2] + constants.TARGET_HEIGHT_M.scalar  # from the body's origin to the top
+BELOW_CAMERA_M = MOUNT_M[2] + TARGET_HEIGHT_M.scalar  # from the body's origin to the top
 Plane = tuple[float, float]  # forward and starboard, or north and east
 
 
