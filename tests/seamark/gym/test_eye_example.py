@@ -163,8 +163,15 @@ def test_images_have_the_place_of_the_target_in_them_as_their_label(
 @pytest.mark.slow
 @OLDER
 def test_a_pupil_steers_by_what_its_eye_has_learned(
-    looking: dict[str, Any], weights: dict[str, Array]
+    looking: dict[str, Any], weights: dict[str, Array], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    find, looks = Eye.find, [0]
+
+    def counted(eye: Eye, image: Array) -> Any:
+        looks[0] += 1
+        return find(eye, image)
+
+    monkeypatch.setattr(Eye, "find", counted)
     unseen = np.array([-1000.0, 0.0, 0.0], np.float32)  # no cell has the target
     blind = weights | {"eye_biases4": weights["eye_biases4"] + unseen}
     off = []
@@ -176,6 +183,7 @@ def test_a_pupil_steers_by_what_its_eye_has_learned(
         labels = np.array(shown.labels)[len(shown.labels) // 2 :]
         off.append(np.median(np.hypot(*labels[labels[:, 0] > 0, 1:].T)))
     assert off[0] < 0.5 * off[1]
+    assert 149 <= looks[0] / 8 <= 150  # at each image once, ten a second
 
 
 @pytest.mark.slow
