@@ -19,6 +19,7 @@ from seamark.sim.camera.target import Target, box_texture
 from seamark.sim.camera.water import Water
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.libm import cos, sin
+from seamark.sim.numerics.normals import normals
 
 Window = raycast.Window
 GREEN = 1
@@ -28,9 +29,11 @@ SAND = "sand"
 @lru_cache(maxsize=4)
 def noise_bank(seed: int, width: int) -> NDArray[np.float32]:
     """Return standard normal samples; the first `width` are repeated at the end for long rows."""
-    generator = np.random.Generator(np.random.PCG64(seed))
-    bank = generator.standard_normal(raycast.NOISE_LENGTH, dtype=np.float32)
-    return np.concatenate([bank, bank[: width + CHUNK]])
+    once = raycast.NOISE_LENGTH
+    bank = np.empty(once + width + CHUNK, np.float32)
+    normals(seed, bank[:once])
+    bank[once:] = bank[: width + CHUNK]
+    return bank
 
 
 def sensor_noise(water: Water, noise_seed: int, width: int) -> SensorNoise:
