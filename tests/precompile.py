@@ -93,6 +93,7 @@ CALLED_ALONE = (  # tests of functions that runs do not call by themselves
     "numerics/test_libm.py::test_angles_of_the_four_quadrants_have_their_signs",
     "physics/test_hydrodynamics.py",
     "physics/water_motion/test_tabulation.py",
+    "trackers/template/test_normal_equations.py",
     "trackers/template/test_template.py::test_homography_is_within_a_tenth_of_a_pixel[esm-mi]",
 )
 
