@@ -214,46 +214,31 @@ def to_f32(typing: Any, value: Any) -> Any:
 
 
 @intrinsic
-def load_pair(typing: Any, array: Any, at: Any) -> Any:
-    """Return the element of an array at a flat index and the next one as one uint32.
+def load_pairs(typing: Any, array: Any, first: Any, at: Any, column: Any) -> Any:
+    """Return sixteen pairs of neighbours in an array of uint8 or uint16, as int32 lanes.
 
-    The array is of uint8 or uint16: one load of twice the size, first element in the low bits.
+    Each is the element at flat index first + at[k], in the low bits, and the next one, for k from
+    column on; `at` is of int32 (n,).
     """
     if not _is_matrix(array) or array.dtype not in (types.uint8, types.uint16):
         return None
-    bits = array.dtype.bitwidth
+    pair = ir.IntType(2 * array.dtype.bitwidth)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        offset = context.cast(builder, args[1], sig.args[1], types.intp)
-        address = builder.bitcast(builder.gep(data, [offset]), ir.IntType(2 * bits).as_pointer())
-        value = builder.load(address)
-        value.align = 1
-        return value if 2 * bits == _INT.width else builder.zext(value, _INT)
+        data, indices = (
+            context.make_array(sig.args[k])(context, builder, args[k]).data for k in (0, 2)
+        )
+        first, column = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 3))
+        data = builder.gep(data, [first])
+        value = ir.Constant(ir.VectorType(pair, WIDTH), ir.Undefined)
+        for k in range(WIDTH):
+            place = builder.add(column, context.get_constant(types.intp, k))
+            index = builder.sext(builder.load(builder.gep(indices, [place])), place.type)
+            address = builder.bitcast(builder.gep(data, [index]), pair.as_pointer())
+            value = builder.insert_element(value, builder.load(address, align=1), _INT(k))
+        return value if pair.width == _INT.width else builder.zext(value, _INTS)
 
-    return types.uint32(array, at), generate
-
-
-@intrinsic
-def load_bits(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: Any) -> Any:
-    """Return a bit field of sixteen uint32 from words[row, column] on, as float32 lanes.
-
-    The field starts at bit `shift` and has at most 16 bits.
-    """
-    if not _is_matrix(words) or words.dtype != types.uint32:
-        return None
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        address = _address(context, builder, sig, args)
-        loaded = builder.load(builder.bitcast(address, _INTS.as_pointer()))
-        loaded.align = 4
-        by, size = (context.cast(builder, args[k], sig.args[k], types.int32) for k in (3, 4))
-        one = ir.Constant(_INT, 1)
-        mask = builder.sub(builder.shl(one, size), one)
-        moved = builder.lshr(loaded, _broadcast(builder, by, _INTS))
-        return builder.sitofp(builder.and_(moved, _broadcast(builder, mask, _INTS)), _FLOATS)
-
-    return _f32x16(words, row, column, shift, bits), generate
+    return _i32x16(array, first, at, column), generate
 
 
 @intrinsic

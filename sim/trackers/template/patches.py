@@ -18,8 +18,7 @@ from seamark.sim.numerics.simd import (
     horizontal_sum,
     i32x16,
     load,
-    load_bits,
-    load_pair,
+    load_pairs,
     maximum,
     minimum,
     store,
@@ -41,24 +40,51 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]  # coarser levels are sums of pix
 NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised; 1 inside, 0 beyond
 
 _PIECE = 128  # [px] of a row that is sampled at once
+_TWO_PIECES = 2 * _PIECE
 SMOOTH_SUM = 16  # of the weights of the 3x3 binomial mask
 
 
-@uncounted
-def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32], length: int) -> None:
-    """Write the pixels at the first flat indices, their right neighbours, and both pixels below.
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _locate(
+    m: Matrix,
+    r: int,
+    columns: tuple[Plane, int, int],
+    limits: "tuple[F32x16, F32x16, F32x16, F32x16]",
+    pitch: int,
+    out: tuple[NDArray[np.int32], Plane, int],
+) -> None:
+    """Write flat indices, and fractions in u and v, of a row's samples between two columns."""
+    numbers, begin, end = columns
+    at, fractions, k = out
+    low_u, low_v, high_u, high_v = limits
+    across_u, across_v, across_z = f32x16(m[0, 0]), f32x16(m[1, 0]), f32x16(m[2, 0])
+    y = r - 1.0
+    u0 = f32x16(m[0, 1] * y + m[0, 2] - m[0, 0])
+    v0 = f32x16(m[1, 1] * y + m[1, 2] - m[1, 0])
+    z0 = f32x16(m[2, 1] * y + m[2, 2] - m[2, 0])
+    for c in range(begin, end, WIDTH):
+        column = load(numbers, NUMBERS, c)
+        scale = f32x16(1.0) / maximum(fma(across_z, column, z0), f32x16(1e-3))
+        u = minimum(maximum(fma(across_u, column, u0) * scale, low_u), high_u)
+        v = minimum(maximum(fma(across_v, column, v0) * scale, low_v), high_v)
+        left, above = to_i32(u), to_i32(v)
+        store(fractions, 0, k, u - to_f32(left))
+        store(fractions, 1, k, v - to_f32(above))
+        store_i32(at, k, above * i32x16(pitch) + left)
+        k += WIDTH
 
-    Four pixels of eight bits fill a word of the first row; of wider pixels the lower two go into
-    the second row. A separate scalar loop, since scattered pixels are loaded one by one anyway.
-    """
-    pitch = image.shape[1]
-    for c in range(length):
-        upper, lower = load_pair(image, at[c]), load_pair(image, at[c] + pitch)
-        if image.itemsize == 1:
-            words[0, c] = upper | lower << 16
-        else:
-            words[0, c] = upper
-            words[1, c] = lower
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _interpolate(image: Image, samples: tuple[NDArray[np.int32], Plane], k: int) -> "F32x16":
+    """Return sixteen bilinear samples; k is the first one's number in what `_locate` wrote."""
+    at, fractions = samples
+    bits, field = i32x16(8 * image.itemsize), i32x16((1 << 8 * image.itemsize) - 1)
+    fu = load(fractions, 0, k)
+    upper, lower = load_pairs(image, 0, at, k), load_pairs(image, image.shape[1], at, k)
+    a, d = to_f32(upper & field), to_f32(lower & field)
+    over = fma(fu, to_f32(upper >> bits) - a, a)
+    under = fma(fu, to_f32(lower >> bits) - d, d)
+    return fma(load(fractions, 1, k), under - over, over)
 
 
 @uncounted
@@ -67,6 +93,9 @@ def warp_patch(
 ) -> None:
     """Write out[r, c] = unit times the image at m (c - 1, r - 1, 1), bilinear.
 
+    First all places of two rows are stored, then their pixels are loaded one by one: in a single
+    loop over both, the processor would wait for each place, which takes twice as long.
+
     Parameters
     ----------
     bounds : (4,)
@@ -74,37 +103,22 @@ def warp_patch(
     columns : (3, width)
         Only the column numbers are read.
     """
-    at, words = on_stack(np.int32, _PIECE), on_stack(np.uint32, 2, _PIECE)
-    fractions = on_stack(np.float32, 2, _PIECE)
-    bits = 8 * image.itemsize
-    below, low = (0, 16) if bits == 8 else (1, 0)  # where _gather writes the lower pixels
-    one, least, value = f32x16(1.0), f32x16(1e-3), f32x16(unit)
+    at, fractions = on_stack(np.int32, _TWO_PIECES), on_stack(np.float32, 2, _TWO_PIECES)
     low_u, low_v = f32x16(bounds[0]), f32x16(bounds[1])
     high_u, high_v = f32x16(bounds[2] - 1.001), f32x16(bounds[3] - 1.001)
-    across_u, across_v, across_z = f32x16(m[0, 0]), f32x16(m[1, 0]), f32x16(m[2, 0])
-    pitch, end = i32x16(image.shape[1]), out.shape[1] - WIDTH
-    for place in range(out.shape[0] * ((end + _PIECE - 1) // _PIECE)):
-        r, begin = place % out.shape[0], place // out.shape[0] * _PIECE
-        y, length = r - 1.0, min(_PIECE, end - begin)
-        u0 = f32x16(m[0, 1] * y + m[0, 2] - m[0, 0])
-        v0 = f32x16(m[1, 1] * y + m[1, 2] - m[1, 0])
-        z0 = f32x16(m[2, 1] * y + m[2, 2] - m[2, 0])
-        for c in range(0, length, WIDTH):
-            column = load(columns, NUMBERS, begin + c)
-            scale = one / maximum(fma(across_z, column, z0), least)
-            u = minimum(maximum(fma(across_u, column, u0) * scale, low_u), high_u)
-            v = minimum(maximum(fma(across_v, column, v0) * scale, low_v), high_v)
-            left, above = to_i32(u), to_i32(v)
-            store(fractions, 0, c, u - to_f32(left))
-            store(fractions, 1, c, v - to_f32(above))
-            store_i32(at, c, above * pitch + left)
-        _gather(image, at, words, length)
-        for c in range(0, length, WIDTH):
-            fu = load(fractions, 0, c)
-            a, d = load_bits(words, 0, c, 0, bits), load_bits(words, below, c, low, bits)
-            over = fma(fu, load_bits(words, 0, c, bits, bits) - a, a)
-            under = fma(fu, load_bits(words, below, c, low + bits, bits) - d, d)
-            store(out, r, begin + c, value * fma(load(fractions, 1, c), under - over, over))
+    limits = (low_u, low_v, high_u, high_v)
+    rows, width, pitch, value = out.shape[0], out.shape[1] - WIDTH, image.shape[1], f32x16(unit)
+    for begin in range(0, width, _PIECE):
+        end = min(begin + _PIECE, width)
+        for first in range(0, rows, 2):
+            last = min(first + 2, rows)
+            for r in range(first, last):
+                target = (at, fractions, (r - first) * _PIECE)
+                _locate(m, r, (columns, begin, end), limits, pitch, target)
+            for r in range(first, last):
+                k = (r - first) * _PIECE - begin
+                for c in range(begin, end, WIDTH):
+                    store(out, r, c, value * _interpolate(image, (at, fractions), k + c))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
