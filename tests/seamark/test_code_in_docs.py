@@ -1,8 +1,9 @@
-"""The code in docs/datasets.md and docs/trackers.md works as a reader would run it."""
+"""The code in docs/datasets.md, trackers.md and training.md works as a reader would run it."""
 
 import re
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ NAME = "visibility-v1"
 SEED = 3
 HARD = {"sweep_from": 0.5, "sweep_to": 6.5, "sweep_step": 3, "level_duration_s": 2}
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LIBRARIES = ("torchrl", "pufferlib", "stable_baselines3")  # that not everybody has
 
 
 class UploadAdapter:
@@ -110,3 +112,23 @@ def test_the_documentation_tracks_a_video(
     assert [line[:2] for line in capsys.readouterr().out.splitlines() if "True" in line] == [
         *("0 ", "1 ", "2 ")
     ]
+
+
+def of_training() -> Iterator[Any]:
+    """Yield the code of the page, with what it needs."""
+    for block in BLOCK.findall((DOCS / "training.md").read_text(encoding="utf-8")):
+        needed = [name for name in LIBRARIES if name in block]
+        missing = [name for name in needed if find_spec(name) is None]
+        yield pytest.param(
+            block, marks=pytest.mark.skipif(bool(missing), reason=f"needs {missing}")
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", [*of_training()])
+def test_each_example_of_training_runs_by_itself(
+    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    exec(block, {})  # noqa: S102  # our own documentation

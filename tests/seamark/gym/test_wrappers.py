@@ -1,8 +1,6 @@
 """Gymnasium's own wrappers and training loops take the environments as they are."""
 
-import re
 import warnings
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -19,7 +17,6 @@ NAME = "seamark/StationKeeping-v3"
 LENGTH = 40  # steps of a level
 SHORT = {"tracker": "truth", "levels": [0.1, 0.6], "level_duration_s": 2.0, "settle_s": 1.0}
 FOR_POLICIES: dict[str, Any] = {"settings": SHORT, "dtype": "float32", "normalise_actions": True}
-GUIDE = Path(__file__).parents[3] / "docs" / "training.md"
 
 
 def single(**options: Any) -> Any:
@@ -124,16 +121,3 @@ def test_each_vehicle_has_the_seed_that_it_is_given() -> None:
 
     np.testing.assert_array_equal(together, alone)
     assert info["seed"].tolist() == seeds
-
-
-@pytest.mark.slow
-def test_the_loop_of_the_guide_runs() -> None:
-    _before, _heading, after = GUIDE.read_text("utf-8").partition("\n## CleanRL, TorchRL,")
-    section, _, _ = after.partition("\n## ")
-    blocks = re.findall(r"^```python\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
-    (loop,) = [block for block in blocks if "RecordEpisodeStatistics" in block]
-    names: dict[str, Any] = {}
-
-    exec(loop.replace("range(2000)", "range(3)"), names)  # noqa: S102  # our own guide
-
-    assert names["kept"].shape == (64,)
