@@ -7,8 +7,8 @@ Not from /proc/PID/task/TID/children: many kernels are built without it.
 import contextlib
 import os
 from collections.abc import Iterable
-from pathlib import Path
 
+READ_BYTES = 1 << 16  # more than the kernel writes to any of these files
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 PARENT_FIELD = 1  # index after the name: state, parent ... (proc(5), field 4)
 UTIME_FIELD = 11  # utime stime cutime cstime (fields 14 to 17)
@@ -44,7 +44,7 @@ def threads(pids: Iterable[int]) -> list[int]:
 
 def run_queue_waits_s(threads: Iterable[int]) -> dict[int, float]:
     """Return thread -> how long it was ready to run and waited for a core [s]."""
-    fields = {thread: _text(Path(f"/proc/{thread}/schedstat")).split() for thread in threads}
+    fields = {thread: _text(f"/proc/{thread}/schedstat").split() for thread in threads}
     return {thread: int(times[1]) / 1e9 for thread, times in fields.items() if times}
 
 
@@ -66,7 +66,7 @@ def uid_of(pid: int) -> int:
 
 def _stat(pid: int) -> list[str]:
     """Return the fields after the name, which itself may contain blanks and brackets."""
-    return _text(Path(f"/proc/{pid}/stat")).rpartition(")")[2].split()
+    return _text(f"/proc/{pid}/stat").rpartition(")")[2].split()
 
 
 def _peak_kib(pid: int) -> int:
@@ -75,14 +75,19 @@ def _peak_kib(pid: int) -> int:
 
 def _status(pid: int, name: str, missing: str) -> str:
     """Return one line of /proc/PID/status; `missing` if the process is gone."""
-    for line in _text(Path(f"/proc/{pid}/status")).splitlines():
+    for line in _text(f"/proc/{pid}/status").splitlines():
         if line.startswith(name):
             return line.removeprefix(name).strip()
     return missing
 
 
-def _text(path: Path) -> str:
+def _text(path: str) -> str:
+    """Return a small file; not by Path, since a tree is as many files as the host has processes."""
     try:
-        return path.read_text()
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            return os.read(descriptor, READ_BYTES).decode(errors="replace")
+        finally:
+            os.close(descriptor)
     except OSError:  # the process ended meanwhile
         return ""
