@@ -53,7 +53,7 @@ class Paints(NamedTuple):
     """How bright the bodies are in one colour channel."""
 
     albedo: Array  # (n,) 1 where a texture says it
-    texels: NDArray[np.int32]  # packed textures of all faces, one after the other
+    texels: NDArray[np.uint16]  # packed textures of all faces, one after the other
     layout: NDArray[np.int32]  # (n, FACES, 3) offset, columns, rows; no columns without a texture
 
 
@@ -114,7 +114,7 @@ class Bodies:
 
     def paints(self, channel: int) -> Paints:
         """Return the brightness of all bodies in a channel: 0 red, 1 green, 2 blue."""
-        parts: list[NDArray[np.int32]] = [np.zeros(1, np.int32)]
+        parts: list[NDArray[np.uint16]] = [np.zeros(1, np.uint16)]
         layout = np.zeros((len(self._bodies), FACES, 3), np.int32)
         albedo = np.ones(len(self._bodies))
         offset = 1

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
 
 Plane = NDArray[np.float32]
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
 Array = NDArray[np.float64]
 
 NEIGHBOURS = 4  # of a pixel

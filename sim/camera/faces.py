@@ -18,7 +18,7 @@ from seamark.sim.camera.scene import Buffers, Channel, Scene
 from seamark.sim.numerics.simd import (
     WIDTH,
     f32x16,
-    gather,
+    gather_pairs,
     i32x16,
     load,
     maximum,
@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
 Plane = NDArray[np.float32]
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
+Places = NDArray[np.int32]
 
 _F = np.float32
 
@@ -112,7 +113,7 @@ def _texture(
     u = minimum(maximum(u, zero), f32x16(_F(columns) - _F(1.001)))
     v = minimum(maximum(v, zero), f32x16(_F(height) - _F(1.001)))
     iu, iv = to_i32(u), to_i32(v)
-    four = gather(box_texture, i32x16(offset) + (iv * i32x16(columns) + iu))
+    four = gather_pairs(box_texture, i32x16(offset) + (iv * i32x16(columns) + iu))
     return rows.bilinear(four, u - to_f32(iu), v - to_f32(iv))
 
 
@@ -194,7 +195,7 @@ class Outlines(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def outlines(
-    faces: Array, layout: Texels, rotation: Array, centre: Array, intrinsics: Array
+    faces: Array, layout: Places, rotation: Array, centre: Array, intrinsics: Array
 ) -> Outlines:
     """Return which faces (n, 12) are visible and where; `layout` is (n, 3)."""
     count = faces.shape[0]
@@ -256,7 +257,7 @@ def _draw_row(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _draw_face(
-    shape: tuple[Array, Array, Texels],
+    shape: tuple[Array, Array, Places],
     extent: tuple[int, int, int, int],
     lens: tuple[Array, bool],
     channel: tuple[Texels, float, float],

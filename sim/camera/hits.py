@@ -16,7 +16,7 @@ from seamark.sim.camera.lighting import EVEN, Lighting, lamp_on
 from seamark.sim.camera.sightings import NEAR_M, Body, Triple
 from seamark.sim.numerics.simd import (
     f32x16,
-    gather,
+    gather_pairs,
     maximum,
     minimum,
     select_greater,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     Vectors = tuple[F32x16, F32x16, F32x16]
     Hits = tuple[F32x16, F32x16, F32x16, F32x16]  # depth, normal; FAR without a hit
 
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
 
 FAR = 1e6  # [m] no hit
 
@@ -216,5 +216,5 @@ def _texel(body: Body, nx: "F32x16", nz: "F32x16", place: "Vectors", texels: Tex
     v = maximum(minimum(v, height - rim), zero)
     iu, iv = to_i32(u), to_i32(v)
     offset = to_i32(_by_axis(body.offset, nx, nz))
-    four = gather(texels, offset + (iv * to_i32(columns) + iu))
+    four = gather_pairs(texels, offset + (iv * to_i32(columns) + iu))
     return rows.bilinear(four, u - to_f32(iu), v - to_f32(iv))

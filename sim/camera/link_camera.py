@@ -178,7 +178,7 @@ class LinkCamera:
                     seabed=seabed(SEABED_SEED, number)
                     if painted is None
                     else packed_tile(painted[number]),
-                    box_texture=np.zeros(1, np.int32),
+                    box_texture=np.zeros(1, np.uint16),
                     attenuation=float(water.attenuation[number]),
                     veil=255.0 * water.veil[number],
                     number=number,

@@ -18,7 +18,7 @@ from seamark.sim.camera.seabed import STRIDE, TEXEL_M, TILE
 from seamark.sim.camera.sightings import Sight
 from seamark.sim.numerics.simd import (
     f32x16,
-    gather,
+    gather_pairs,
     i32x16,
     load,
     maximum,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
 
 LOWEST_M = 0.005  # above the seabed; a camera that is lower is drawn from there
 LEAST = 1e-3  # [1/m] inverse depth of the horizon
@@ -123,5 +123,5 @@ def _texel(tile: Texels, u: "F32x16", v: "F32x16", shift: tuple[int, int]) -> "F
     iu, iv = to_i32(u), to_i32(v)
     last = i32x16(TILE - 1)
     across, down = (iu + i32x16(shift[0])) & last, (iv + i32x16(shift[1])) & last
-    four = gather(tile, down * i32x16(STRIDE) + across)
+    four = gather_pairs(tile, down * i32x16(STRIDE) + across)
     return rows.bilinear(four, u - to_f32(iu), v - to_f32(iv))

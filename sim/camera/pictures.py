@@ -60,7 +60,7 @@ def tile(name: str) -> NDArray[np.uint8]:
 
 
 @lru_cache(maxsize=len(PICTURES))
-def seabed(name: str) -> NDArray[np.int32]:
+def seabed(name: str) -> NDArray[np.uint16]:
     """Return the packed tile of a seabed, as `seamark.sim.camera.seabed.seabed` does."""
     return padded(packed(tile(name), wrap=True))
 

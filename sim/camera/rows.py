@@ -16,7 +16,7 @@ from seamark.sim.camera.seabed import STRIDE, TILE
 from seamark.sim.numerics.simd import (
     WIDTH,
     f32x16,
-    fetch_i32,
+    fetch_pairs,
     i32x16,
     load,
     load_i32,
@@ -27,24 +27,31 @@ from seamark.sim.numerics.simd import (
     to_f32,
     to_i32,
 )
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16, I32x16
 
 Row = NDArray[np.float32]
 Rows = NDArray[np.float32]
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
+Places = NDArray[np.int32]
 
 _F = np.float32
 BIAS = 4096  # [texel] keeps the coordinates positive, so that int() rounds down
 _REACH = _F(4000.0)  # [texel] 20 m: beyond it the edge of the texture is repeated
 NODE = 16  # [px] distance of the points at which the seabed's transmission is computed
 STEPS = np.arange(NODE, dtype=np.float32)[None]
-_AT_ONCE = 8  # rows of seabed; the texels of more take longer, as do those of fewer
+_LINES = 128  # rows of seabed whose maps are kept at once
+_LAG = 3  # rows from locating pixels to reading their texels, and from there to their grey values
+_RING = 8  # rows under way, a power of two above 2 _LAG
+_PIXELS = _RING * WIDTH
+_BOTH = 2 * WIDTH  # fractions in u and in v
 CHUNK = 32  # [px] loops over a multiple of this compile to whole vectors
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def seabed_light(
     tile: Texels,
     ground: NDArray[np.float64],
@@ -53,9 +60,6 @@ def seabed_light(
     out: Row,
 ) -> None:
     """Write bilinear samples [grey] of the seabed for a strip of rows.
-
-    Few rows of sixteen columns at a time go through three loops: where the pixels are, what texels
-    are there, and their interpolation. In a single one the processor would wait for each texel.
 
     Parameters
     ----------
@@ -72,62 +76,79 @@ def seabed_light(
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
     height = blocks.shape[0] // across
-    lines = np.empty((height, 3), np.float32)
-    slopes = (_F(0.0), _F(0.0), _F(0.0))
-    for r in range(height):
-        a, b, w, a_slope, b_slope, w_slope = map_along_row(ground, float(row + r))
-        lines[r, 0], lines[r, 1], lines[r, 2] = a, b, w
-        slopes = (a_slope, b_slope, w_slope)
-    at, four = np.empty(_AT_ONCE * WIDTH, np.int32), np.empty(_AT_ONCE * WIDTH, np.int32)
-    fractions = np.empty((_AT_ONCE, 2 * WIDTH), np.float32)
-    for i in range(across):
-        column = float(start + i * NODE)
-        for first in range(0, height, _AT_ONCE):
-            some = lines[first : first + _AT_ONCE]
-            _locate(some, slopes, column, shift, at, fractions)
-            for r in range(some.shape[0]):
-                fetch_i32(tile, at, four, r * WIDTH)
-            for r in range(some.shape[0]):
-                fu, fv = load(fractions, r, 0), load(fractions, r, WIDTH)
-                value = bilinear(load_i32(four, r * WIDTH), fu, fv)
-                store(blocks, (first + r) * across + i, 0, value)
+    lines = on_stack(np.float32, _LINES, 3)
+    for top in range(0, height, _LINES):
+        count = min(_LINES, height - top)
+        _, _, _, a, b, w = map_along_row(ground, 0.0)
+        for r in range(count):
+            lines[r, 0], lines[r, 1], lines[r, 2], _, _, _ = map_along_row(
+                ground, float(row + top + r)
+            )
+        for i in range(across):
+            column = f32x16(float(start + i * NODE)) + load(STEPS, 0, 0)
+            terms = f32x16(a) * column, f32x16(b) * column, f32x16(w) * column
+            _sample_column(tile, lines[:count], terms, shift, blocks[top * across + i :], across)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _locate(
+@uncounted
+def _sample_column(
+    tile: Texels,
     lines: Rows,
-    slopes: tuple[np.float32, np.float32, np.float32],
-    start: float,
+    terms: "tuple[F32x16, F32x16, F32x16]",
     shift: tuple[int, int],
-    at: Texels,
+    blocks: Rows,
+    across: int,
+) -> None:
+    """Write the samples of sixteen columns into every `across`-th block, row by row.
+
+    `lines` (rows, 3) are the map's values at column 0 of each row, `terms` what the columns add.
+    Each step of the loop finds where pixels of one row are, reads the texels of an earlier one and
+    interpolates those of a still earlier one: the processor then never waits for what it has just
+    written, and has work to do while the memory answers.
+    """
+    at, four = on_stack(np.int32, _PIXELS), on_stack(np.int32, _PIXELS)
+    fractions = on_stack(np.float32, _RING, _BOTH)
+    count = lines.shape[0]
+    for r in range(count + 2 * _LAG):
+        if r < count:
+            _locate((lines[r, 0], lines[r, 1], lines[r, 2]), terms, shift, r % _RING, at, fractions)
+        if _LAG <= r < count + _LAG:
+            fetch_pairs(tile, at, four, (r - _LAG) % _RING * WIDTH)
+        if r >= 2 * _LAG:
+            k = (r - 2 * _LAG) % _RING
+            fu, fv = load(fractions, k, 0), load(fractions, k, WIDTH)
+            value = bilinear(load_i32(four, k * WIDTH), fu, fv)
+            store(blocks, (r - 2 * _LAG) * across, 0, value)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _locate(
+    line: tuple[np.float32, np.float32, np.float32],
+    terms: "tuple[F32x16, F32x16, F32x16]",
+    shift: tuple[int, int],
+    k: int,
+    at: Places,
     fractions: Rows,
 ) -> None:
-    """Write the texels' indices of sixteen pixels of each row, and the fractions in u and in v.
-
-    `lines` (rows, 3) and `slopes` are the map along the rows, `start` is the first column.
-    """
-    column = f32x16(start) + load(STEPS, 0, 0)
-    a1, b1, w1 = f32x16(slopes[0]) * column, f32x16(slopes[1]) * column, f32x16(slopes[2]) * column
-    shift_u, shift_v = i32x16(shift[0]), i32x16(shift[1])
-    least, far, near, bias = f32x16(1e-3), f32x16(_REACH), f32x16(-_REACH), f32x16(float(BIAS))
-    for r in range(lines.shape[0]):
-        z = f32x16(1.0) / maximum(f32x16(lines[r, 2]) + w1, least)
-        u = minimum(maximum((f32x16(lines[r, 0]) + a1) * z, near), far) + bias
-        v = minimum(maximum((f32x16(lines[r, 1]) + b1) * z, near), far) + bias
-        iu, iv = to_i32(u), to_i32(v)
-        across_tile = (iu + shift_u) & i32x16(TILE - 1)
-        down_tile = (iv + shift_v) & i32x16(TILE - 1)
-        store_i32(at, r * WIDTH, down_tile * i32x16(STRIDE) + across_tile)
-        store(fractions, r, 0, u - to_f32(iu))
-        store(fractions, r, WIDTH, v - to_f32(iv))
+    """Write the texels' indices of sixteen pixels, and the fractions in u and in v, as the k-th."""
+    far, near, bias = f32x16(_REACH), f32x16(-_REACH), f32x16(float(BIAS))
+    z = f32x16(1.0) / maximum(f32x16(line[2]) + terms[2], f32x16(1e-3))
+    u = minimum(maximum((f32x16(line[0]) + terms[0]) * z, near), far) + bias
+    v = minimum(maximum((f32x16(line[1]) + terms[1]) * z, near), far) + bias
+    iu, iv = to_i32(u), to_i32(v)
+    across_tile = (iu + i32x16(shift[0])) & i32x16(TILE - 1)
+    down_tile = (iv + i32x16(shift[1])) & i32x16(TILE - 1)
+    store_i32(at, k * WIDTH, down_tile * i32x16(STRIDE) + across_tile)
+    store(fractions, k, 0, u - to_f32(iu))
+    store(fractions, k, WIDTH, v - to_f32(iv))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def bilinear(four: "I32x16", fu: "F32x16", fv: "F32x16") -> "F32x16":
-    """Return bilinear interpolations of the four grey values in packed texels."""
+    """Return bilinear interpolations of the four grey values in pairs of packed texels."""
     byte = i32x16(255)
-    a, b = to_f32(four & byte), to_f32((four >> i32x16(8)) & byte)
-    c, d = to_f32((four >> i32x16(16)) & byte), to_f32((four >> i32x16(24)) & byte)
+    a, c = to_f32(four & byte), to_f32((four >> i32x16(8)) & byte)
+    b, d = to_f32((four >> i32x16(16)) & byte), to_f32((four >> i32x16(24)) & byte)
     top = a + fu * (b - a)
     low = c + fu * (d - c)
     return top + fv * (low - top)

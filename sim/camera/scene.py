@@ -13,7 +13,8 @@ MARGIN = 2 * NODE  # [px] rows may be rendered this far beyond the image
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
 Rows = NDArray[np.float32]
-Texels = NDArray[np.int32]
+Texels = NDArray[np.uint16]
+Places = NDArray[np.int32]
 
 
 class Channel(NamedTuple):
@@ -33,7 +34,7 @@ class Scene(NamedTuple):
     mount: Array  # (3,) [m] body frame
     seabed_m: float
     faces: Array  # (n, 12)
-    layout: Texels  # (n, 3) position of each face in the texture: offset, columns, rows
+    layout: Places  # (n, 3) position of each face in the texture: offset, columns, rows
     fog: bool  # UWSim's law instead of Beer-Lambert
 
 

@@ -89,7 +89,7 @@ class Target:
 class BoxTexture:
     """Packed textures of all faces for one channel."""
 
-    texels: NDArray[np.int32]  # all faces, one after the other
+    texels: NDArray[np.uint16]  # all faces, one after the other
     layout: NDArray[np.int32]  # (FACES, 3): offset, columns, rows
 
 

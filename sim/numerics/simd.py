@@ -104,6 +104,11 @@ def _is_matrix(array: types.Type) -> bool:
     return isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
 
 
+def _is_row(array: types.Type, dtype: types.Type) -> bool:
+    one = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
+    return one and array.dtype == dtype
+
+
 @intrinsic
 def f32x16(typing: Any, scalar: Any) -> Any:
     """Return a vector with a float32 in every lane; a wider number is rounded first."""
@@ -273,14 +278,12 @@ def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 @intrinsic
-def gather(typing: Any, array: Any, at: Any) -> Any:
-    """Return sixteen elements of an int32 array (n,) by index, without a bounds check.
+def gather_pairs(typing: Any, array: Any, at: Any) -> Any:
+    """Return what `load_pair` does for sixteen indices of a uint16 array (n,).
 
     Without such an instruction they are loaded one by one: the bits are the same.
     """
-    if not isinstance(array, types.Array) or (array.ndim, array.dtype) != (1, types.int32):
-        return None
-    if array.layout != "C" or at != _i32x16:
+    if not _is_row(array, types.uint16) or at != _i32x16:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -294,32 +297,48 @@ def gather(typing: Any, array: Any, at: Any) -> Any:
             builder.module, ir.FunctionType(*types_), "llvm.masked.gather.v16i32.v16p0"
         )
         mask, otherwise = ir.Constant(all_lanes, [1] * WIDTH), ir.Constant(_INTS, ir.Undefined)
-        return builder.call(load_all, [addresses, _INT(4), mask, otherwise])
+        return builder.call(load_all, [addresses, _INT(2), mask, otherwise])
 
     return _i32x16(array, at), generate
 
 
 @intrinsic
-def fetch_i32(typing: Any, array: Any, at: Any, out: Any, column: Any) -> Any:
-    """Set out[k] = array[at[k]] for k from column on, sixteen of them; all are of int32 (n,).
+def fetch_pairs(typing: Any, array: Any, at: Any, out: Any, column: Any) -> Any:
+    """Set out[k] to what `load_pair` returns for at[k], for k from column on, sixteen of them.
 
-    Without a bounds check. Where many follow each other this is faster than `gather`, which many
-    processors carry out element by element.
+    `array` is of uint16 (n,), `at` and `out` are of int32. The indices are not negative, and
+    nothing checks them. Where many follow each other this is faster than `gather_pairs`, which many
+    processors carry out element by element. A processor makes few accesses to memory in a cycle,
+    however wide they are, so one reads two indices and one writes two results.
     """
-    for each in (array, at, out):
-        if not isinstance(each, types.Array) or (each.ndim, each.dtype) != (1, types.int32):
-            return None
+    if not _is_row(array, types.uint16) or not _is_row(at, types.int32) or at != out:
+        return None
+    double, low = ir.IntType(64), ir.Constant(ir.IntType(64), 2**32 - 1)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         source, indices, target = (
             context.make_array(sig.args[k])(context, builder, args[k]).data for k in range(3)
         )
         first = context.cast(builder, args[3], sig.args[3], types.intp)
-        for k in range(WIDTH):
+
+        def element(index: Any) -> Any:
+            address = builder.bitcast(builder.gep(source, [index]), _INT.as_pointer())
+            value = builder.load(address)
+            value.align = 2
+            return builder.zext(value, double)
+
+        for k in range(0, WIDTH, 2):
             place = builder.add(first, context.get_constant(types.intp, k))
-            index = builder.load(builder.gep(indices, [place]))
-            value = builder.load(builder.gep(source, [builder.sext(index, place.type)]))
-            builder.store(value, builder.gep(target, [place]))
+            two, address = (
+                builder.bitcast(builder.gep(data, [place]), double.as_pointer())
+                for data in (indices, target)
+            )
+            at_both = builder.load(two)
+            at_both.align = 4
+            left = element(builder.and_(at_both, low))
+            right = element(builder.lshr(at_both, double(32)))
+            both = builder.or_(left, builder.shl(right, double(32)))
+            builder.store(both, address).align = 4
         return context.get_dummy_value()
 
     return types.void(array, at, out, column), generate

@@ -343,6 +343,6 @@ def _top_of(target: Any) -> Surface:
     for channel in (2, 1, 0):
         texture = box_texture(target, channel)
         _, columns, rows = texture.layout[0]
-        packed = texture.texels[: rows * columns].view(np.uint32)
+        packed = texture.texels[: rows * columns]
         planes.append((packed & 0xFF).astype(np.uint8).reshape(rows, columns))
     return np.dstack(planes)

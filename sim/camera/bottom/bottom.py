@@ -36,7 +36,7 @@ class Bottom:
     visible: tuple[float, ...]  # share of each object and decoy that is not covered
     tiles: Tiles  # of the three channels
 
-    def packed(self, channel: int) -> NDArray[np.int32]:
+    def packed(self, channel: int) -> NDArray[np.uint16]:
         """Return the tile of one channel for the ray-caster."""
         return packed_tile(self.tiles[channel])
 

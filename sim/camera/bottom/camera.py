@@ -16,7 +16,7 @@ from seamark.sim.camera.water import Water
 from seamark.sim.numerics.libm import atan2
 
 _STEEPEST = 0.2  # cosine of the largest tilt at which the middle of the image is looked for
-_NO_TEXTURE = np.zeros(1, np.int32)
+_NO_TEXTURE = np.zeros(1, np.uint16)
 
 
 class Seen(NamedTuple):

@@ -171,23 +171,13 @@ def _shadow_at(patch: Patch, i: int, j: int, highest: float, sun: Sun) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def packed_tile(texels: NDArray[np.uint8]) -> NDArray[np.int32]:
+def packed_tile(texels: NDArray[np.uint8]) -> NDArray[np.uint16]:
     """Return a tile of one channel as `seabed.packed` and `seabed.padded` do, in one pass."""
-    out = np.zeros(TILE * STRIDE, np.int32)
+    out = np.zeros(TILE * STRIDE, np.uint16)
     for j in range(TILE):
         here, below = texels[j], texels[(j + 1) & _MASK]
         row = out[j * STRIDE : (j + 1) * STRIDE]
-        for i in range(TILE - 1):
-            row[i] = (
-                np.int32(here[i])
-                | np.int32(here[i + 1]) << np.int32(8)
-                | np.int32(below[i]) << np.int32(16)
-                | np.int32(below[i + 1]) << np.int32(24)
-            )
-        row[TILE - 1] = (
-            np.int32(here[TILE - 1])
-            | np.int32(here[0]) << np.int32(8)
-            | np.int32(below[TILE - 1]) << np.int32(16)
-            | np.int32(below[0]) << np.int32(24)
-        )
+        for i in range(TILE):
+            row[i] = np.uint16(here[i]) | np.uint16(below[i]) << np.uint16(8)
+        row[TILE] = row[0]
     return out
