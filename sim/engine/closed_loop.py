@@ -37,6 +37,7 @@ from seamark.sim.engine.world import World
 from seamark.sim.numerics.compilation import SameTypes
 from seamark.sim.numerics.lent import Lent
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder, width_for
+from seamark.sim.trackers.template.level_buffers import bench_for, bench_size
 
 VEHICLE = len(COMMAND)  # numbers of a command for the vehicle; those for an arm follow
 _REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)
@@ -235,6 +236,7 @@ class ClosedLoop:
             blurred=self._motion_blur,
             buffers=buffers_for(optics.width),
             canvas=np.zeros((optics.height, optics.width), np.uint8),
+            bench=bench_for(bench_size(sight.memory.levels)),
         )
         return Lent(looking)
 

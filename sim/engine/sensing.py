@@ -12,6 +12,7 @@ from seamark.sim.engine.sight import Sight, look
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.lent import Lent, taken
 from seamark.sim.physics.pose import read_pose
+from seamark.sim.trackers.template.level_buffers import Bench
 
 NOT_FINITE = -1
 TRACKED, SEEN = 1, 2  # bits of what `sense` returns
@@ -25,6 +26,7 @@ class Looking(NamedTuple):
     blurred: bool  # whether the velocities count
     buffers: Buffers
     canvas: NDArray[np.uint8]  # (H, W), drawn over
+    bench: Bench  # of the tracker
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,6 +60,6 @@ def sense(
         eye.motion[i] = pose[i]
         eye.motion[6 + i] = state[7 + i] if eye.blurred else 0.0
     corners = senses.tracked.corners
-    ok = look(eye.sight, eye.motion, frame, eye.buffers, eye.canvas, corners)
+    ok = look(eye.sight, eye.motion, frame, eye.buffers, eye.canvas, eye.bench, corners)
     seen = perceive_with(senses, step, t, ok, contact_n, row)
     return (TRACKED if ok else 0) + (SEEN if seen else 0)

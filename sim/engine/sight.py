@@ -16,7 +16,7 @@ from seamark.sim.trackers.template.frame_step import (
     track_frame,
     unpack_state,
 )
-from seamark.sim.trackers.template.level_buffers import unpack_search
+from seamark.sim.trackers.template.level_buffers import Bench, unpack_search
 from seamark.sim.trackers.template.tracker import Memory
 
 
@@ -34,6 +34,7 @@ def look(
     frame: int,
     buffers: Buffers,
     canvas: NDArray[np.uint8],
+    bench: Bench,
     corners: Array,
 ) -> bool:
     """Draw what the tracker needs of an image and give it that; return whether it has the target.
@@ -46,6 +47,8 @@ def look(
         Pose and velocities, as `Camera` has them.
     canvas : (H, W)
         Any image of this size, which is drawn over.
+    bench
+        At least as large as that of the tracker's levels.
     corners : (8,) [px]
         Where the tracker last had the target, updated.
     """
@@ -57,7 +60,7 @@ def look(
     for part in (likely_part(state, levels, window), window):
         if found == PART_TOO_SMALL:
             draw(pencil, motion, frame, part, buffers, canvas)
-            found, _, _ = track_frame(canvas, part, box, state, search, numbers, store)
+            found, _, _ = track_frame(canvas, part, box, state, search, numbers, store, bench)
     if found == FOUND:
         last = unpack_state(state).last
         for k in range(8):

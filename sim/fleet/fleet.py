@@ -34,6 +34,7 @@ from seamark.sim.physics.pose import read_pose
 from seamark.sim.physics.water_motion.tabulation import ROWS
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.trackers.template.level_buffers import bench_size
 from seamark.sim.vehicles import load
 
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
@@ -266,8 +267,11 @@ class Fleet:
                 words=np.zeros((self.count, words.size), np.int64),
                 like=sight,
                 size=(optics.width, optics.height),
+                bench_size=0,
             )
         self._trackers.words[i] = words
+        needed = max(self._trackers.bench_size, bench_size(sight.memory.levels))
+        self._trackers = self._trackers._replace(bench_size=needed)
 
     def _motions(self, chosen: Flags) -> tuple[Array, Flags]:
         """Return where the chosen vehicles are and how they move, (n, 12), and whose are finite."""

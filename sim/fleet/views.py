@@ -21,6 +21,7 @@ from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.numerics.lent import lend, recalled
 from seamark.sim.physics.pose import read_pose
+from seamark.sim.trackers.template.level_buffers import bench_for
 
 Image = NDArray[np.uint8]
 
@@ -38,6 +39,7 @@ class Trackers(NamedTuple):
     words: Integers  # (n, k) of their sights
     like: Sight
     size: tuple[int, int]  # width and height of the images [px]
+    bench_size: int  # that the largest of them needs
 
 
 class Found(NamedTuple):
@@ -152,12 +154,15 @@ def track_all(
     """
     width, height = trackers.size
     own, sheet = buffers_for(width), np.zeros((height, width), np.uint8)
-    buffers, canvas, motions = borrowed(own), borrowed(sheet), borrowed(motions)
+    table = bench_for(trackers.bench_size)
+    buffers, canvas, bench = borrowed(own), borrowed(sheet), borrowed(table)
+    motions = borrowed(motions)
     trackers, found = borrowed(trackers), borrowed(found)
     for i in range(first * LANES, min(last * LANES, chosen.size)):
         if not chosen[i]:
             continue
         sight = recalled(trackers.words[i], trackers.like)
         corners = found.corners[i]
-        found.visible[i] = look(sight, motions[i], frames[i], buffers, canvas, corners)
-    own.levels[0], sheet[0, 0] = 0, 0  # the owners of what was borrowed must live until here
+        found.visible[i] = look(sight, motions[i], frames[i], buffers, canvas, bench, corners)
+    # The owners of what was borrowed must live until here.
+    own.levels[0], sheet[0, 0], table[0] = 0, 0, 0.0

@@ -115,21 +115,20 @@ def extract_patch(
     image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel, smooth: bool
 ) -> None:
     """Sample the image under the homography into the level's patch, and smooth it if asked to."""
-    planes = level.planes
+    bench = level.bench
     if not smooth:
-        warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[PATCH])
+        warp_patch(image, bounds, h, level.frame[UNIT], level.columns, bench[PATCH])
         return
-    warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
-    blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
+    warp_patch(image, bounds, h, level.frame[UNIT], level.columns, bench[RAW])
+    blur(bench[RAW], int(level.frame[COLUMNS]) + 2, bench[PATCH])
 
 
 @uncounted
 def zncc(level: PyramidLevel) -> float:
     """Return the ZNCC of the template with the level's patch."""
     own = (level.frame[MEAN], level.frame[SIGMA])
-    planes = level.planes
     count = int(level.frame[COUNT])
-    return correlation(planes[PATCH], planes[TEMPLATE], level.columns, count, own)
+    return correlation(level.bench[PATCH], level.planes[TEMPLATE], level.columns, count, own)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -138,7 +137,7 @@ def _equations(
 ) -> None:
     """Write the normal equations of the next step for a criterion."""
     planes, frame = level.planes, level.frame
-    patch, template, gain, bias = planes[PATCH], planes[TEMPLATE], 1.0, 0.0
+    patch, template, gain, bias = level.bench[PATCH], planes[TEMPLATE], 1.0, 0.0
     half = 0.5 * weight
     if criterion != SSD:
         m, s = moments(patch, level.columns, int(frame[COUNT]))
@@ -147,10 +146,10 @@ def _equations(
         half *= gain
     if criterion == MI:
         scale = bins_per_grey(frame[SIGMA])
-        errors = planes[ERRORS, : level.ys.shape[0]]
+        errors = level.bench[ERRORS, : level.ys.shape[0]]
         fine = _fine_values(frame)
         quantise(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
-        own = planes[QUANTISED, : level.ys.shape[0]]
+        own = planes[QUANTISED]
         information_gradient(own, errors, int(frame[COLUMNS]), weight, scale, errors)
         template, gain, bias = errors, 0.0, 0.0
     gradients = (patch, template, planes[ALONG], planes[DOWN])
@@ -280,26 +279,24 @@ def align(
 def set_template(level: PyramidLevel, weight: float, criterion: int) -> None:
     """Make the level's patch the template."""
     rows, columns = len(level.ys), int(level.frame[COLUMNS])
-    patch = level.planes[PATCH]
+    patch = level.bench[PATCH]
     mean, sigma = moments(patch, level.columns, rows * columns)
     level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _MIN_SIGMA)
-    inner = (slice(rows), slice(columns))
-    gradients = level.planes[[ALONG, DOWN]]
-    level.planes[TEMPLATE][inner] = patch[1:-1, 1 : columns + 1]
-    gradients[0][inner] = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * np.float32(0.5)
-    gradients[1][inner] = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * np.float32(
-        0.5
-    )
-    level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - weight)
+    half, share = np.float32(0.5), np.float32(1.0 - weight)
+    along = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * half
+    down = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * half
+    level.planes[TEMPLATE, :, :columns] = patch[1:-1, 1 : columns + 1]
+    level.planes[ALONG, :, :columns] = along * share
+    level.planes[DOWN, :, :columns] = down * share
     if criterion == MI:
-        _set_information_hessian(level, gradients[:, :rows, :columns].astype(np.float64))
+        _set_information_hessian(level, np.stack([along, down]).astype(np.float64))
 
 
 def _set_information_hessian(level: PyramidLevel, gradients: NDArray[np.float64]) -> None:
-    rows, columns = gradients.shape[1:]
-    own = level.planes[QUANTISED, :rows]
+    columns = gradients.shape[2]
+    own = level.planes[QUANTISED]
     factor, offset = _fine_values(level.frame)
-    quantise(level.planes[PATCH], 1, (factor, offset), own)
+    quantise(level.bench[PATCH], 1, (factor, offset), own)
     x, y = level.columns[XS, :columns].astype(np.float64), level.ys.astype(np.float64)[:, None]
     gx, gy = gradients
     t = gx * x + gy * y

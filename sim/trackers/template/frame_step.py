@@ -17,6 +17,7 @@ from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.alignment import MISSED, SANE
 from seamark.sim.trackers.template.level_buffers import (
     SCALE,
+    Bench,
     Numbers,
     PlaneStore,
     PyramidLevels,
@@ -275,6 +276,7 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     search_numbers: Numbers,
     level_numbers: Matrix,
     store: PlaneStore,
+    bench: Bench,
 ) -> tuple[int, float, int]:
     """Find the target in the next image, of which only a part of the window `box`, (4,), is read.
 
@@ -289,7 +291,7 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     """
     window = (box[0], box[1], box[2], box[3])
     known, search = unpack_state(state), unpack_search(search_numbers)
-    levels = (level_numbers, store)
+    levels = (level_numbers, store, bench)
     h, start = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
     expected, corners = on_stack(np.float64, 4, 2), on_stack(np.float64, 4, 2)
     images = resolutions(image, window, part, search.levels, search.smooth_image)

@@ -2,6 +2,9 @@
 
 The planes of all pyramid levels are stored one after the other in float32; the numbers of each
 level and the settings of the search in float64. Compiled code gets them as named tuples of views.
+
+What an alignment only needs while it runs is elsewhere, in a bench that many trackers share, one
+after the other: thousands of them would not fit into a processor's caches.
 """
 
 from typing import NamedTuple
@@ -15,11 +18,15 @@ from seamark.sim.trackers.template.patches import MASK, NUMBERS, XS, Matrix, Pla
 
 Numbers = NDArray[np.float64]
 PlaneStore = NDArray[np.float32]
-PyramidLevels = tuple[Matrix, PlaneStore]  # numbers of each level, and the planes of all
+Bench = NDArray[np.float32]  # as of `bench_for`
+PyramidLevels = tuple[Matrix, PlaneStore, Bench]  # numbers of each level, planes of all
 
-# A level's planes. A patch has a rim of one pixel; the others start at the first inner pixel.
-TEMPLATE, ALONG, DOWN, QUANTISED, RAW, PATCH, ERRORS = range(7)
-PLANES = 7
+# The planes that a level keeps, from the first inner pixel on, and those on the bench, which have
+# rows as long. A patch has a rim of one pixel; the errors start at the first inner pixel.
+TEMPLATE, ALONG, DOWN, QUANTISED = range(4)
+_KEPT = 4
+RAW, PATCH, ERRORS = range(3)
+_ON_BENCH = 3
 # The frame of a level: half the longer side, central column and row [px]; mean and standard
 # deviation [grey] of the template; grey values per unit of the image; columns; pixels; offset of
 # the level in the store.
@@ -31,7 +38,8 @@ _LEVEL_NUMBERS = _FRAME + 64
 class PyramidLevel(NamedTuple):
     """A template at one resolution, with the buffers of its alignment."""
 
-    planes: NDArray[np.float32]  # (PLANES, rows + 2, width)
+    planes: NDArray[np.float32]  # (4, rows, width)
+    bench: NDArray[np.float32]  # (3, rows + 2, width)
     columns: Plane  # (3, width), see patches
     ys: Plane  # (rows,) normalised
     frame: Numbers  # (9,): see above
@@ -87,16 +95,18 @@ def unpack_search(numbers: Numbers) -> SearchSettings:
 @njit(cache=True, nogil=True, error_model="numpy")
 def pyramid_level(levels: PyramidLevels, k: int) -> PyramidLevel:
     """Return the views of one level."""
-    level_numbers, store = levels
+    level_numbers, store, bench = levels
     frame = level_numbers[k, :_FRAME]
     columns = int(frame[COLUMNS])
     rows = int(frame[COUNT]) // columns
     width = _width(columns)
     begin = int(frame[BEGIN])
-    across = begin + PLANES * (rows + 2) * width
+    across = begin + _KEPT * rows * width
     down = across + 3 * width
+    used = _ON_BENCH * (rows + 2) * width
     return PyramidLevel(
-        store[begin:across].reshape(PLANES, rows + 2, width),
+        store[begin:across].reshape(_KEPT, rows, width),
+        bench[:used].reshape(_ON_BENCH, rows + 2, width),
         store[across:down].reshape(3, width),
         store[down : down + rows],
         frame,
@@ -110,7 +120,22 @@ def _width(columns: int) -> int:
     return ((columns + 2 + WIDTH - 1) // WIDTH + 1) * WIDTH
 
 
-def allocate_levels(columns: int, rows: int, count: int) -> PyramidLevels:
+def bench_size(level_numbers: Matrix) -> int:
+    """Return how many numbers a bench for a tracker of these levels has."""
+    columns, count = (int(number) for number in level_numbers[0, [COLUMNS, COUNT]])
+    return int(_ON_BENCH * (count // columns + 2) * _width(columns))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bench_for(size: int) -> Bench:
+    """Return a bench of at least this size.
+
+    Its values must be finite at first: those beyond a patch are multiplied by zero.
+    """
+    return np.zeros(size, np.float32)
+
+
+def allocate_levels(columns: int, rows: int, count: int) -> tuple[Matrix, PlaneStore]:
     """Return facts and store of levels without a template, each of half the size.
 
     The images of coarser levels are sums of pixels (pyramid.py), so their unit is a quarter.
@@ -131,11 +156,12 @@ def allocate_levels(columns: int, rows: int, count: int) -> PyramidLevels:
             across * down,
             end,
         )
-        end += (PLANES * (down + 2) + 3) * _width(across) + down
+        end += (_KEPT * down + 3) * _width(across) + down
         scale, column, row = scale / 2, (column - 0.5) / 2, (row - 0.5) / 2
     store = np.zeros(end, np.float32)
+    levels = (level_numbers, store, bench_for(bench_size(level_numbers)))
     for k in range(count):
-        level = pyramid_level((level_numbers, store), k)
+        level = pyramid_level(levels, k)
         numbers = np.arange(level.columns.shape[1])
         level.columns[NUMBERS] = numbers
         level.columns[XS] = (numbers - level.frame[COLUMN]) / level.frame[SCALE]

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.numerics.stack import on_stack
 from seamark.sim.numerics.uncounted import uncounted
+from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.alignment import (
     MISSED,
     SANE,
@@ -229,15 +230,13 @@ def grid_search(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def extract_templates(
+def extract_template(
     image: NDArray[np.uint8],
-    window: tuple[int, int, int, int],
+    window: Window,
+    k: int,
     h: Matrix,
     levels: PyramidLevels,
-    search: SearchSettings,
+    smooth_image: bool,
 ) -> None:
-    """Extract the patches of all levels from the image in which the target is known."""
-    count = max(search.levels, search.second_levels)
-    images = resolutions(image, window, window, count, search.smooth_image)
-    for k in range(count):
-        _extract(images, k, h, levels)
+    """Extract the patch of level k from the image in which the target is known."""
+    _extract(resolutions(image, window, window, k + 1, smooth_image), k, h, levels)

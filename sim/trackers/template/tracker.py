@@ -23,12 +23,14 @@ from seamark.sim.trackers.template.level_buffers import (
     PlaneStore,
     SearchSettings,
     allocate_levels,
+    bench_for,
+    bench_size,
     pack_search,
     pyramid_level,
 )
 from seamark.sim.trackers.template.patches import SMOOTH_SUM, Matrix
 from seamark.sim.trackers.template.pyramid import MAX_LEVELS
-from seamark.sim.trackers.template.pyramid_alignment import extract_templates
+from seamark.sim.trackers.template.pyramid_alignment import extract_template
 from seamark.sim.trackers.template.warps import basis, from_square, is_convex, multiply, signed_area
 
 
@@ -115,7 +117,8 @@ class TemplateTracker:
         columns, rows, homography, template_corners = self._frame(corners)
         self._state = self._initial_state(corners, homography, template_corners)
         self._last = unpack_state(self._state).last
-        every = allocate_levels(columns, rows, MAX_LEVELS)
+        known = allocate_levels(columns, rows, MAX_LEVELS)
+        every = (*known, bench_for(bench_size(known[0])))
         levels = [pyramid_level(every, k) for k in range(MAX_LEVELS)]
         useful = max(1, len([1 for each in levels if len(each.ys) >= MIN_ROWS]))
         search = self._search._replace(
@@ -126,11 +129,11 @@ class TemplateTracker:
             levels[0].frame[UNIT] = 1.0 / SMOOTH_SUM
         window = next_window(self._state, image.shape[1], image.shape[0])
         self._window[:] = window
-        extract_templates(image, window, homography, every, search)
-        set_template(levels[0], search.weight, search.criterion)
-        for level in levels[1 : max(search.levels, search.second_levels)]:
-            set_template(level, search.weight, search.coarse_criterion)
-        self._known = (pack_search(search), *every)
+        for k, level in enumerate(levels[: max(search.levels, search.second_levels)]):
+            extract_template(image, window, k, homography, every, search.smooth_image)
+            criterion = search.coarse_criterion if k else search.criterion
+            set_template(level, search.weight, criterion)
+        self._known, self._bench = (pack_search(search), *known), every[-1]
 
     def memory(self) -> Memory:
         """Return what it has learned and keeps in mind, for compiled loops over many trackers."""
@@ -150,7 +153,7 @@ class TemplateTracker:
         if image.shape != self._shape:
             raise ValueError(f"an image of {image.shape} after one of {self._shape}")
         found, correlation, iterations = track_frame(
-            _contiguous(image), self.window(), self._window, self._state, *self._known
+            _contiguous(image), self.window(), self._window, self._state, *self._known, self._bench
         )
         return Track(self._last.copy(), found == FOUND, 1.0 - correlation, iterations)
 

@@ -12,6 +12,7 @@ from seamark.sim.engine.sight import Sight, look
 from seamark.sim.settings.tracker import ROBUST
 from seamark.sim.trackers import make
 from seamark.sim.trackers.template.frame_step import PART_TOO_SMALL, likely_part, track_frame
+from seamark.sim.trackers.template.level_buffers import Bench, bench_for, bench_size
 from seamark.sim.trackers.template.tracker import Memory, TemplateTracker
 
 _STILL = start_pose(VISIBILITY, Target(width_m=0.28), 1.27)
@@ -53,6 +54,10 @@ def _poses(seed: int) -> list[NDArray[np.float64]]:
     return [np.concatenate([pose, np.zeros(6)]) for pose in path]
 
 
+def _bench(memory: Memory) -> Bench:
+    return bench_for(bench_size(memory.levels))
+
+
 def _copied(memory: Memory) -> Memory:
     return Memory(*(np.copy(part) for part in memory))
 
@@ -64,11 +69,12 @@ def test_a_tracker_finds_the_same_in_a_part_as_in_the_whole_image(options: dict[
     height, width = VISIBILITY.height, VISIBILITY.width
     random, corners = np.random.default_rng(1), np.zeros(8)
     sight, buffers = Sight(camera.pencil(), partly.memory()), buffers_for(width)
+    bench = _bench(partly.memory())
     lost = 0
     for frame, pose in enumerate(_poses(7), start=1):
         canvas = random.integers(0, 256, (height, width)).astype(np.uint8)
 
-        found = look(sight, pose, frame, buffers, canvas, corners)
+        found = look(sight, pose, frame, buffers, canvas, bench, corners)
 
         track = whole.update(camera.grey(pose[:6], frame))
         assert found == track.ok
@@ -88,12 +94,13 @@ def test_a_part_that_is_too_small_changes_nothing(options: dict[str, Any]) -> No
     x0, y0, x1, y1 = memory.window.tolist()
     state, search, numbers, store, box = known = _copied(memory)
     part = (x0 + 16, y0 + 16, x1 - 32, y1 - 24)
+    image, bench = camera.grey(pose, 1), _bench(memory)
 
-    found, _, _ = track_frame(camera.grey(pose, 1), part, box, state, search, numbers, store)
+    found, _, _ = track_frame(image, part, box, state, search, numbers, store, bench)
 
     assert found == PART_TOO_SMALL
-    for name in ("state", "search", "levels", "window"):
-        assert getattr(known, name).tobytes() == getattr(memory, name).tobytes(), name
+    for ours, before in zip(known, memory, strict=True):
+        assert ours.tobytes() == before.tobytes()
 
 
 def test_less_than_half_of_the_window_is_drawn_where_the_target_is_expected() -> None:
