@@ -166,7 +166,8 @@ def packed(texels: NDArray[np.uint8], *, wrap: bool) -> NDArray[np.uint16]:
     below = np.roll(texels, -1, axis=0)
     if not wrap:
         below[-1] = texels[-1]
-    return (texels.astype(np.uint16) | below.astype(np.uint16) << 8).ravel()
+    high = below.astype(np.uint16) << np.uint16(8)
+    return (texels.astype(np.uint16) | high).ravel()
 
 
 def padded(texels: NDArray[np.uint16]) -> NDArray[np.uint16]:
