@@ -29,6 +29,8 @@ from seamark.sim.numerics.simd import (
     to_f32,
     to_i32,
 )
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 
 if TYPE_CHECKING:
     from seamark.sim.numerics.simd import F32x16
@@ -47,13 +49,12 @@ def outline(
     plane: Array, rotation: Array, centre: Array, intrinsics: Array, edges: Array, box: Array
 ) -> bool:
     """Write a face's edges as lines and its bounding box; False if a corner has no image point."""
-    corners = np.empty((4, 3))
+    corners, q = on_stack(np.float64, 4, 3), on_stack(np.float64, 4, 2)
     for j in range(3):
         corners[0, j] = plane[j]
         corners[1, j] = plane[j] + plane[3 + j]
         corners[2, j] = corners[1, j] + plane[6 + j]
         corners[3, j] = plane[j] + plane[6 + j]
-    q = np.empty((4, 2))
     project(corners, rotation, centre, intrinsics, q)
     for k in range(4):
         if not abs(q[k, 0]) + abs(q[k, 1]) < 1e5:
@@ -135,10 +136,9 @@ def _transmission(path: "F32x16") -> "F32x16":
     return p * p
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _edge_lines(edges: Array) -> Plane:
-    """Return nx and the coefficients s, m, scale of `_inside` for each edge (4, 3): (4, 4)."""
-    out = np.empty((4, 4), np.float32)
+@uncounted
+def _write_lines(edges: Array, out: Plane) -> None:
+    """Write nx and the coefficients s, m, scale of `_inside` for each edge (4, 3): (4, 4)."""
     for k in range(4):
         nx = _F(edges[k, 0])
         a = max(abs(nx), _F(0.02))
@@ -147,7 +147,6 @@ def _edge_lines(edges: Array) -> Plane:
         out[k, 1] = (a + b) * _F(0.5)
         out[k, 2] = abs(a - b) * _F(0.5)
         out[k, 3] = _F(0.5) / (a * b)
-    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -215,7 +214,7 @@ def outlines(
     return Outlines(seen, maps, edges, boxes)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _draw_row(
     shape: tuple[RowMap, Plane, Row, tuple[int, int, int]],
     extent: tuple[int, int, int, int],
@@ -255,7 +254,7 @@ def _draw_row(
         store(light, r, q, before + cover * (arrived - load(ground, r, q)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _draw_face(
     shape: tuple[Array, Array, Places],
     extent: tuple[int, int, int, int],
@@ -275,8 +274,8 @@ def _draw_face(
     box_texture, attenuation, veil = channel
     f, u0, v0 = lens[0][0], lens[0][1], lens[0][2]
     corner = (layout[0], layout[1], layout[2])
-    lines = _edge_lines(edges)
-    bases = np.empty(4, np.float32)
+    lines, bases = on_stack(np.float32, 4, 4), on_stack(np.float32, 4)
+    _write_lines(edges, lines)
     of_channel = (box_texture, lens[1], attenuation, veil)
     for r in range(light.shape[0]):
         v = float(top + r)
@@ -306,7 +305,7 @@ def _rows_in_strip(shapes: Outlines, k: int, row: int, end: int) -> tuple[int, i
     return top, min(end, int(min(shapes.boxes[k, 3], 1e6)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def draw_faces(
     shapes: Outlines,
     extent: tuple[int, int, int, int, int],

@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import sincos
+from seamark.sim.numerics.stack import on_stack
 
 Array = NDArray[np.float64]
 RowMap = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
@@ -51,7 +52,7 @@ def plane_homography(
 
     Returns False when the camera lies in the plane.
     """
-    m = np.empty((3, 3))
+    m = on_stack(np.float64, 3, 3)
     for i in range(3):
         e1 = 0.0
         e2 = 0.0

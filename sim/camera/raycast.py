@@ -18,6 +18,8 @@ from seamark.sim.camera.scene import MARGIN, STRIP, Buffers, Channel, Scene, Sen
 from seamark.sim.camera.seabed import TEXEL_M
 from seamark.sim.numerics.libm import exp
 from seamark.sim.numerics.simd import WIDTH, prefetch
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 
 NOISE_LENGTH = 1 << 18  # [samples] of the bank, a power of two
 Array = NDArray[np.float64]
@@ -56,7 +58,8 @@ def seabed_map(
     """Write the seabed's homography relative to the texel below the camera; return that texel."""
     north = np.floor(centre[0] / TEXEL_M)
     east = np.floor(centre[1] / TEXEL_M)
-    plane = np.zeros(12)
+    plane = on_stack(np.float64, 12)
+    plane[:] = 0.0
     plane[0] = north * TEXEL_M
     plane[1] = east * TEXEL_M
     plane[2] = depth
@@ -175,7 +178,7 @@ def fetch_noise(
         prefetch(grain.bank, first + width - 1)  # rows rarely begin where a cache line does
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def expose_strip(
     light: Row,
     extent: tuple[int, int, int, int],
@@ -191,10 +194,11 @@ def expose_strip(
     """
     row, start, x0, x1 = extent
     width = padded_columns(x0, x1)[1]
+    blocks = width // WIDTH, WIDTH
     for r in range(light.shape[0] // width):
         first = noise_start(grain.seed, noise_key[0], row + r, noise_key[1]) + start
-        noise = grain.bank[first : first + width]
-        part = light[r * width : (r + 1) * width]
+        noise = grain.bank[first : first + width].reshape(blocks)
+        part = light[r * width : (r + 1) * width].reshape(blocks)
         rows.expose(part, noise, grain.read_variance, grain.shot_gain, levels[:width])
         rows.copy(levels[x0 - start : x1 - start], out[row + r, x0:x1])
 

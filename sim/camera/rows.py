@@ -22,8 +22,10 @@ from seamark.sim.numerics.simd import (
     load_i32,
     maximum,
     minimum,
+    sqrt,
     store,
     store_i32,
+    store_u8,
     to_f32,
     to_i32,
 )
@@ -229,17 +231,18 @@ def copy(source: Row | NDArray[np.uint8], out: Row | NDArray[np.uint8]) -> None:
         out[q] = source[q]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def expose(
-    light: Row, noise: Row, read_variance: float, shot_gain: float, out: NDArray[np.uint8]
+    light: Rows, noise: Rows, read_variance: float, shot_gain: float, out: NDArray[np.uint8]
 ) -> None:
-    """Write grey values: radiance plus read and shot noise, rounded and clipped."""
-    v0 = _F(read_variance)
-    g = _F(shot_gain)
-    for q in range(out.shape[0]):
-        sigma = np.sqrt(v0 + g * max(light[q], _F(0.0)))
-        value = light[q] + noise[q] * sigma + _F(0.5)
-        out[q] = np.uint8(np.int32(min(max(value, _F(0.0)), _F(255.0))))
+    """Write grey values: radiance (k, 16) plus read and shot noise, rounded and clipped."""
+    v0, g = f32x16(read_variance), f32x16(shot_gain)
+    zero, half, top = f32x16(0.0), f32x16(0.5), f32x16(255.0)
+    for k in range(light.shape[0]):
+        radiance = load(light, k, 0)
+        sigma = sqrt(v0 + g * maximum(radiance, zero))
+        value = radiance + load(noise, k, 0) * sigma + half
+        store_u8(out, k * WIDTH, to_i32(minimum(maximum(value, zero), top)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -389,6 +389,26 @@ def store_i32(typing: Any, array: Any, column: Any, value: Any) -> Any:
 
 
 @intrinsic
+def store_u8(typing: Any, array: Any, column: Any, value: Any) -> Any:
+    """Set array[column : column + 16] of uint8 (n,), without a bounds check.
+
+    The lanes of the int32 vector must be within 0..255.
+    """
+    if not _is_row(array, types.uint8) or value != _i32x16:
+        return None
+    grey = ir.VectorType(ir.IntType(8), WIDTH)
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        first = context.cast(builder, args[1], sig.args[1], types.intp)
+        address = builder.bitcast(builder.gep(data, [first]), grey.as_pointer())
+        builder.store(builder.trunc(args[2], grey), address).align = 1
+        return context.get_dummy_value()
+
+    return types.void(array, column, value), generate
+
+
+@intrinsic
 def horizontal_sum(typing: Any, value: Any) -> Any:
     """Return the sum over the lanes as float32: upper half onto lower half, until one is left."""
 
