@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -38,6 +37,7 @@ from seamark.sim.trackers.template.level_buffers import bench_size
 from seamark.sim.vehicles import load
 
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
+_PARTS_PER_THREAD = 4  # in which a thread takes its vehicles
 
 
 def unsupported(config: StationKeepingSettings) -> str:
@@ -194,7 +194,7 @@ class Fleet:
     def telemetry(self, columns: NDArray[np.int64]) -> Array:
         """Return columns (k,) of the vehicles' rows of telemetry, (n, k), in a new array."""
         out = np.empty((self.count, columns.size))
-        self._in_threads(copy_columns, columns, self.tables.outputs.rows, out)
+        self._at_once(copy_columns, columns, self.tables.outputs.rows, out)
         return out
 
     @property
@@ -218,16 +218,27 @@ class Fleet:
             self._images.step(finite, motions, self._frames(), progress, self._in_threads)
 
     def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
-        """Call a compiled function for all vehicles, a part of them in each thread."""
+        """Call a compiled function for all vehicles, some of them at a time in each thread.
+
+        Whichever thread is done takes the next ones: not all vehicles take equally long, nor all
+        processors.
+        """
         blocks = self.tables.bodies.net_weight.shape[0]
-        bounds = [blocks * k // self._threads for k in range(self._threads + 1)]
-        calls = [
-            self._pool.submit(compiled, first, last, *arrays)
-            for first, last in pairwise(bounds[1:])
-        ]
-        compiled(bounds[0], bounds[1], *arrays)
+        count = min(blocks, self._threads * _PARTS_PER_THREAD) if self._threads > 1 else 1
+        parts = iter([(blocks * k // count, blocks * (k + 1) // count) for k in range(count)])
+
+        def work() -> None:
+            for first, last in parts:
+                compiled(first, last, *arrays)
+
+        calls = [self._pool.submit(work) for _ in range(self._threads - 1)]
+        work()
         for call in calls:
             call.result()
+
+    def _at_once(self, compiled: Callable[..., None], *arrays: Any) -> None:
+        """Call a compiled function for all vehicles that takes no longer than to wake a thread."""
+        compiled(0, self.tables.bodies.net_weight.shape[0], *arrays)
 
     def _track(self, chosen: Flags) -> None:
         """Give each chosen vehicle's tracker its image; nothing if the tracker is the truth."""
@@ -277,7 +288,7 @@ class Fleet:
         """Return where the chosen vehicles are and how they move, (n, 12), and whose are finite."""
         motions, finite = np.zeros((self.count, 12)), np.zeros(self.count, np.bool_)
         states = self.tables.motion.state
-        self._in_threads(motions_of, chosen, states, self._blurred, motions, finite)
+        self._at_once(motions_of, chosen, states, self._blurred, motions, finite)
         return motions, finite
 
     def _frames(self) -> Integers:
