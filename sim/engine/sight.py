@@ -16,7 +16,7 @@ from seamark.sim.trackers.template.frame_step import (
     track_frame,
     unpack_state,
 )
-from seamark.sim.trackers.template.level_buffers import Bench, unpack_search
+from seamark.sim.trackers.template.level_buffers import Bench, fetch_templates, unpack_search
 from seamark.sim.trackers.template.tracker import Memory
 
 
@@ -55,8 +55,9 @@ def look(
     pencil, memory = sight
     state, search, numbers, store, box = memory
     window = (box[0], box[1], box[2], box[3])
-    found = PART_TOO_SMALL
     levels = unpack_search(search).levels
+    fetch_templates(numbers, store, levels)
+    found = PART_TOO_SMALL
     for part in (likely_part(state, levels, window), window):
         if found == PART_TOO_SMALL:
             draw(pencil, motion, frame, part, buffers, canvas)

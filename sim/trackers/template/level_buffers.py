@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.numerics.simd import WIDTH
+from seamark.sim.numerics.simd import WIDTH, prefetch
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.patches import MASK, NUMBERS, XS, Matrix, Plane
 
 Numbers = NDArray[np.float64]
@@ -118,6 +119,20 @@ def pyramid_level(levels: PyramidLevels, k: int) -> PyramidLevel:
 def _width(columns: int) -> int:
     """Return the row length of a plane: whole vectors, and one more for the rim."""
     return ((columns + 2 + WIDTH - 1) // WIDTH + 1) * WIDTH
+
+
+@uncounted
+def fetch_templates(level_numbers: Matrix, store: PlaneStore, levels: int) -> None:
+    """Ask for the templates of some levels and their gradients, which are read later.
+
+    Between two images, the trackers of other vehicles displace them from the caches.
+    """
+    for k in range(levels):
+        columns = int(level_numbers[k, COLUMNS])
+        count = int(level_numbers[k, COUNT]) // columns * _width(columns)
+        begin = int(level_numbers[k, BEGIN])
+        for at in range(begin, begin + (DOWN + 1) * count, WIDTH):
+            prefetch(store, at)
 
 
 def bench_size(level_numbers: Matrix) -> int:
