@@ -6,6 +6,7 @@ to first order. Every warp is a basis (8, n) of some of them (Benhimane & Malis,
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import sincos
@@ -64,12 +65,29 @@ def inverse(a: Matrix, out: Matrix) -> None:
 
 
 @uncounted
+def _multiply_rows(a: Matrix, b: Matrix, out: Matrix) -> None:
+    """Write what `multiply` does, of matrices with a fourth column, so that a row is a vector."""
+    for i in range(3):
+        for j in range(4):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _apply_term(x: Matrix, k: float, t: Matrix, out: Matrix) -> None:
+    """Replace `out` by 1 + x out / k; with a constant k, many divisions are multiplications."""
+    _multiply_rows(x, out, t)
+    for i in range(3):
+        for j in range(4):
+            out[i, j] = t[i, j] / k + (1.0 if i == j else 0.0)
+
+
+@uncounted
 def exponential(d: Matrix, out: Matrix) -> None:
     """Write the homography exp(sum d_i A_i) (3, 3) of eight parameters (8,).
 
     Scaling by 1/16 and squaring with a Taylor polynomial of order 8: exact to 1e-13 for |d| <= 1.
     """
-    x, t = on_stack(np.float64, 3, 3), on_stack(np.float64, 3, 3)
+    x, t, e = on_stack(np.float64, 3, 4), on_stack(np.float64, 3, 4), on_stack(np.float64, 3, 4)
     x[0, 0] = d[0]
     x[0, 1] = d[1]
     x[0, 2] = d[6]
@@ -80,17 +98,24 @@ def exponential(d: Matrix, out: Matrix) -> None:
     x[2, 1] = d[5]
     x[2, 2] = 0.0
     for i in range(3):
-        for j in range(3):
+        x[i, 3] = 0.0
+        for j in range(4):
             x[i, j] *= 1.0 / 16.0
-            out[i, j] = 1.0 if i == j else 0.0
-    for k in range(8, 0, -1):
-        multiply(x, out, t)
-        for i in range(3):
-            for j in range(3):
-                out[i, j] = t[i, j] / k + (1.0 if i == j else 0.0)
+            e[i, j] = 1.0 if i == j else 0.0
+    _apply_term(x, 8.0, t, e)
+    _apply_term(x, 7.0, t, e)
+    _apply_term(x, 6.0, t, e)
+    _apply_term(x, 5.0, t, e)
+    _apply_term(x, 4.0, t, e)
+    _apply_term(x, 3.0, t, e)
+    _apply_term(x, 2.0, t, e)
+    _apply_term(x, 1.0, t, e)
     for _ in range(2):
-        multiply(out, out, t)
-        multiply(t, t, out)
+        _multiply_rows(e, e, t)
+        _multiply_rows(t, t, e)
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = e[i, j]
 
 
 @uncounted
