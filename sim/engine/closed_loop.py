@@ -256,7 +256,7 @@ class ClosedLoop:
         row[_REFERENCE], row[STEP_US] = reference[:VEHICLE], self._step_us
         arrived = self._delayed.step(reference)
         if self._steering is not None:
-            self._advance(self._steering, step, arrived)
+            self._advance(self._steering, step, arrived[:VEHICLE])
             return
         if self._arm is not None:
             self._arm.command(reference[VEHICLE:], arrived[VEHICLE:], row)
