@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from seamark.sim.numerics.stack import on_stack
 from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.level_buffers import (
-    ALONG,
     COLUMN,
     COLUMNS,
     COUNT,
-    DOWN,
     ERRORS,
     MEAN,
     PATCH,
@@ -138,7 +136,8 @@ def _equations(
     """Write the normal equations of the next step for a criterion."""
     planes, frame = level.planes, level.frame
     patch, template, gain, bias = level.bench[PATCH], planes[TEMPLATE], 1.0, 0.0
-    half = 0.5 * weight
+    goal = template
+    half, rim = 0.5 * weight, 1
     if criterion != SSD:
         m, s = moments(patch, level.columns, int(frame[COUNT]))
         gain = frame[SIGMA] / max(s, _MIN_SIGMA)
@@ -149,11 +148,11 @@ def _equations(
         errors = level.bench[ERRORS, : level.ys.shape[0]]
         fine = _fine_values(frame)
         quantise(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
-        own = planes[QUANTISED]
+        own = planes[QUANTISED, : level.ys.shape[0]]
         information_gradient(own, errors, int(frame[COLUMNS]), weight, scale, errors)
-        template, gain, bias = errors, 0.0, 0.0
-    gradients = (patch, template, planes[ALONG], planes[DOWN])
-    normal_equations(gradients, (level.columns, level.ys), (half, gain, bias), a, g)
+        goal, rim, gain, bias = errors, 0, 0.0, 0.0
+    model = (half, 0.5 * (1.0 - weight), gain, bias)
+    normal_equations((patch, template, goal), rim, (level.columns, level.ys), model, a, g)
     if criterion == MI:
         a[:] = level.hessian
 
@@ -276,25 +275,23 @@ def align(
     return stage.iterations, SANE
 
 
-def set_template(level: PyramidLevel, weight: float, criterion: int) -> None:
+def set_template(level: PyramidLevel, criterion: int) -> None:
     """Make the level's patch the template."""
     rows, columns = len(level.ys), int(level.frame[COLUMNS])
     patch = level.bench[PATCH]
     mean, sigma = moments(patch, level.columns, rows * columns)
     level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _MIN_SIGMA)
-    half, share = np.float32(0.5), np.float32(1.0 - weight)
-    along = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * half
-    down = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * half
-    level.planes[TEMPLATE, :, :columns] = patch[1:-1, 1 : columns + 1]
-    level.planes[ALONG, :, :columns] = along * share
-    level.planes[DOWN, :, :columns] = down * share
+    level.planes[TEMPLATE, :, : columns + 2] = patch[:, : columns + 2]
     if criterion == MI:
+        half = np.float32(0.5)
+        along = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * half
+        down = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * half
         _set_information_hessian(level, np.stack([along, down]).astype(np.float64))
 
 
 def _set_information_hessian(level: PyramidLevel, gradients: NDArray[np.float64]) -> None:
     columns = gradients.shape[2]
-    own = level.planes[QUANTISED]
+    own = level.planes[QUANTISED, : len(level.ys)]
     factor, offset = _fine_values(level.frame)
     quantise(level.bench[PATCH], 1, (factor, offset), own)
     x, y = level.columns[XS, :columns].astype(np.float64), level.ys.astype(np.float64)[:, None]

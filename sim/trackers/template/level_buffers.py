@@ -22,10 +22,10 @@ PlaneStore = NDArray[np.float32]
 Bench = NDArray[np.float32]  # as of `bench_for`
 PyramidLevels = tuple[Matrix, PlaneStore, Bench]  # numbers of each level, planes of all
 
-# The planes that a level keeps, from the first inner pixel on, and those on the bench, which have
-# rows as long. A patch has a rim of one pixel; the errors start at the first inner pixel.
-TEMPLATE, ALONG, DOWN, QUANTISED = range(4)
-_KEPT = 4
+# The planes that a level keeps, and those on the bench, which are as large. A template has a rim of
+# one pixel, as a patch; the others start at the first inner pixel.
+TEMPLATE, QUANTISED = range(2)
+_KEPT = 2
 RAW, PATCH, ERRORS = range(3)
 _ON_BENCH = 3
 # The frame of a level: half the longer side, central column and row [px]; mean and standard
@@ -39,7 +39,7 @@ _LEVEL_NUMBERS = _FRAME + 64
 class PyramidLevel(NamedTuple):
     """A template at one resolution, with the buffers of its alignment."""
 
-    planes: NDArray[np.float32]  # (4, rows, width)
+    planes: NDArray[np.float32]  # (2, rows + 2, width)
     bench: NDArray[np.float32]  # (3, rows + 2, width)
     columns: Plane  # (3, width), see patches
     ys: Plane  # (rows,) normalised
@@ -102,11 +102,11 @@ def pyramid_level(levels: PyramidLevels, k: int) -> PyramidLevel:
     rows = int(frame[COUNT]) // columns
     width = _width(columns)
     begin = int(frame[BEGIN])
-    across = begin + _KEPT * rows * width
+    across = begin + _KEPT * (rows + 2) * width
     down = across + 3 * width
     used = _ON_BENCH * (rows + 2) * width
     return PyramidLevel(
-        store[begin:across].reshape(_KEPT, rows, width),
+        store[begin:across].reshape(_KEPT, rows + 2, width),
         bench[:used].reshape(_ON_BENCH, rows + 2, width),
         store[across:down].reshape(3, width),
         store[down : down + rows],
@@ -123,15 +123,15 @@ def _width(columns: int) -> int:
 
 @uncounted
 def fetch_templates(level_numbers: Matrix, store: PlaneStore, levels: int) -> None:
-    """Ask for the templates of some levels and their gradients, which are read later.
+    """Ask for the templates of some levels, which are read later.
 
     Between two images, the trackers of other vehicles displace them from the caches.
     """
     for k in range(levels):
         columns = int(level_numbers[k, COLUMNS])
-        count = int(level_numbers[k, COUNT]) // columns * _width(columns)
+        rows = int(level_numbers[k, COUNT]) // columns + 2
         begin = int(level_numbers[k, BEGIN])
-        for at in range(begin, begin + (DOWN + 1) * count, WIDTH):
+        for at in range(begin, begin + rows * _width(columns), WIDTH):
             prefetch(store, at)
 
 
@@ -171,7 +171,7 @@ def allocate_levels(columns: int, rows: int, count: int) -> tuple[Matrix, PlaneS
             across * down,
             end,
         )
-        end += (_KEPT * down + 3) * _width(across) + down
+        end += (_KEPT * (down + 2) + 3) * _width(across) + down
         scale, column, row = scale / 2, (column - 0.5) / 2, (row - 0.5) / 2
     store = np.zeros(end, np.float32)
     levels = (level_numbers, store, bench_for(bench_size(level_numbers)))

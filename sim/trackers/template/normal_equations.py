@@ -95,25 +95,33 @@ def _add_moments(sums: "tuple[F32x16, ...]", x: "F32x16", totals: Plane) -> None
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _add_strip(
-    planes: tuple[Plane, Plane, Plane, Plane],
+    planes: tuple[Plane, Plane, Plane],
+    rim: int,
     axes: tuple[Plane, Plane],
-    model: tuple[float, float, float],
+    model: tuple[float, float, float, float],
     c: int,
     totals: Plane,
 ) -> None:
     """Add the moments of sixteen columns from c on, lane by lane."""
-    patch, template, along, down = planes
+    patch, template, goal = planes
     columns, ys = axes
-    half, loss, bias = f32x16(model[0]), f32x16(-model[1]), f32x16(model[2])
+    half, own, loss, bias = (
+        f32x16(model[0]),
+        f32x16(model[1]),
+        f32x16(-model[2]),
+        f32x16(model[3]),
+    )
     inside = load(columns, MASK, c)
     a0 = a1 = a2 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = c4 = f32x16(0.0)
     d0 = d1 = e0 = e1 = e2 = f32x16(0.0)
     for r in range(ys.shape[0]):
         sides = load(patch, r + 1, c + 2) - load(patch, r + 1, c)
         ends = load(patch, r + 2, c + 1) - load(patch, r, c + 1)
-        gx = fma(half, sides, load(along, r, c)) * inside
-        gy = fma(half, ends, load(down, r, c)) * inside
-        error = fma(loss, load(patch, r + 1, c + 1), load(template, r, c) - bias)
+        along = load(template, r + 1, c + 2) - load(template, r + 1, c)
+        down = load(template, r + 2, c + 1) - load(template, r, c + 1)
+        gx = fma(half, sides, along * own) * inside
+        gy = fma(half, ends, down * own) * inside
+        error = fma(loss, load(patch, r + 1, c + 1), load(goal, r + rim, c + rim) - bias)
         y = f32x16(ys[r])
         gx1, gy1 = gx * y, gy * y
         gy2 = gy1 * y
@@ -134,9 +142,10 @@ def _add_strip(
 
 @uncounted
 def normal_equations(
-    planes: tuple[Plane, Plane, Plane, Plane],
+    planes: tuple[Plane, Plane, Plane],
+    rim: int,
     axes: tuple[Plane, Plane],
-    model: tuple[float, float, float],
+    model: tuple[float, float, float, float],
     a: Matrix,
     g: NDArray[np.float64],
 ) -> None:
@@ -145,19 +154,20 @@ def normal_equations(
     Parameters
     ----------
     planes : tuple
-        The patch, with its rim; the template; its gradients along the rows and down the columns,
-        already weighted.
+        Patch and template, with their rims, and what the patch is to become.
+    rim
+        Of the last of them: 1, or 0 if it starts at the first inner pixel.
     axes : tuple
         Columns (3, width) and normalised rows.
     model : tuple
-        Factor of the patch's differences of neighbours; gain and bias from the patch to the
-        template's grey values.
+        Factors of the patch's and of the template's differences of neighbours; gain and bias from
+        the patch to the template's grey values.
     """
     totals = on_stack(np.float32, _MOMENTS, WIDTH)
     sums, moments = on_stack(np.float32, 1, WIDTH), on_stack(np.float64, _MOMENTS)
     totals[:] = 0.0
     for c in range(0, axes[0].shape[1] - WIDTH, WIDTH):
-        _add_strip(planes, axes, model, c, totals)
+        _add_strip(planes, rim, axes, model, c, totals)
     for k in range(_MOMENTS // WIDTH):
         store(sums, 0, 0, horizontal_sums(totals, k * WIDTH))
         for t in range(WIDTH):

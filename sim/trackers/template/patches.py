@@ -244,7 +244,7 @@ def correlation(
     for c in range(0, patch.shape[1] - WIDTH, WIDTH):
         inside = f32x16(0.0)
         for r in range(patch.shape[0] - 2):
-            off = load(template, r, c) - fma(gain, load(patch, r + 1, c + 1), bias)
+            off = load(template, r + 1, c + 1) - fma(gain, load(patch, r + 1, c + 1), bias)
             inside = fma(off, off, inside)
         products = products + inside * load(columns, MASK, c)
     return float(1.0 - float(horizontal_sum(products)) / count / (2.0 * sigma * sigma))

@@ -132,7 +132,7 @@ class TemplateTracker:
         for k, level in enumerate(levels[: max(search.levels, search.second_levels)]):
             extract_template(image, window, k, homography, every, search.smooth_image)
             criterion = search.coarse_criterion if k else search.criterion
-            set_template(level, search.weight, criterion)
+            set_template(level, criterion)
         self._known, self._bench = (pack_search(search), *known), every[-1]
 
     def memory(self) -> Memory:
