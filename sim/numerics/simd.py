@@ -279,9 +279,10 @@ def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
 
 @intrinsic
 def gather_pairs(typing: Any, array: Any, at: Any) -> Any:
-    """Return what `load_pair` does for sixteen indices of a uint16 array (n,).
+    """Return sixteen elements of a uint16 array (n,) by index, each with the next one.
 
-    Without such an instruction they are loaded one by one: the bits are the same.
+    The element is in the low bits of an int32 lane, its neighbour in the high ones; no index is
+    checked. Without such an instruction they are loaded one by one: the bits are the same.
     """
     if not _is_row(array, types.uint16) or at != _i32x16:
         return None
@@ -304,7 +305,7 @@ def gather_pairs(typing: Any, array: Any, at: Any) -> Any:
 
 @intrinsic
 def fetch_pairs(typing: Any, array: Any, at: Any, out: Any, column: Any) -> Any:
-    """Set out[k] to what `load_pair` returns for at[k], for k from column on, sixteen of them.
+    """Set out[k] to what `gather_pairs` returns for at[k], for k from column on, sixteen of them.
 
     `array` is of uint16 (n,), `at` and `out` are of int32. The indices are not negative, and
     nothing checks them. Where many follow each other this is faster than `gather_pairs`, which many
