@@ -6,7 +6,7 @@ import atexit
 import difflib
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from seamark.programs.preparation import PreparedProgram
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import IsolationReport
+
+    FindIsolation = Callable[[str], IsolationLevel]  # for runs of a benchmark
 
 
 def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
@@ -187,15 +189,34 @@ def isolation_level() -> IsolationLevel:
     return _sufficient(probe())
 
 
-def isolation_level_while_loading(benchmark: str) -> IsolationLevel:
-    """Return the isolation level, found while this process loads what runs of a benchmark need."""
-    from seamark.sandbox.probing.beside import probing
+@contextmanager
+def probing(*, needed: bool) -> Iterator[FindIsolation]:
+    """Find the isolation level of sandboxes beside what the caller does, if that is needed.
 
-    with probing() as report:
-        from seamark.sim.engine.warm_up import warm_up_benchmark
+    Provides the function that loads what runs of a benchmark need, and returns the level; NONE if
+    it is not needed. Probing takes as long as loading the simulator, so that a command which begins
+    with this loses no time.
 
-        warm_up_benchmark(benchmark)
-        return _sufficient(report())
+    Raises
+    ------
+    PlatformFailed
+        From the function: programs cannot run on this machine.
+    """
+    from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.sandbox.probing import beside
+
+    if not needed:
+        yield lambda _benchmark: IsolationLevel.NONE
+        return
+    with beside.probing() as report:
+
+        def level(benchmark: str) -> IsolationLevel:
+            from seamark.sim.engine.warm_up import warm_up_benchmark
+
+            warm_up_benchmark(benchmark)
+            return _sufficient(report())
+
+        yield level
 
 
 def _sufficient(isolation: IsolationReport) -> IsolationLevel:

@@ -13,6 +13,7 @@ from seamark.cli.options import json_option
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
+    from seamark.cli.solutions import FindIsolation
     from seamark.formats.archive_reading import ArchivedRun, Manifest
     from seamark.formats.recording import Program
     from seamark.programs.preparation import PreparedProgram
@@ -34,11 +35,14 @@ def rerun(*, archive: Path, as_json: bool) -> None:
       seamark export 42 --format archive -o archive.zip
       seamark rerun archive.zip
     """
+    from seamark.cli.solutions import probing
     from seamark.formats.archive_reading import ArchiveRefused, opened
 
     try:
         with opened(archive) as archived:
-            report = _report(archived, quiet=as_json)
+            boxes = archived.program is not None or len(archived.parts) > 0
+            with probing(needed=boxes) as isolation:
+                report = _report(archived, isolation, quiet=as_json)
     except ArchiveRefused as reason:
         raise UsageRefused(_printable(str(reason))) from None
     if as_json:
@@ -48,7 +52,7 @@ def rerun(*, archive: Path, as_json: bool) -> None:
     exit_with(0 if report["same"] else 1)
 
 
-def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
+def _report(archived: ArchivedRun, isolation: FindIsolation, *, quiet: bool) -> dict[str, Any]:
     from seamark.cli import rerun_comparison
 
     manifest = archived.manifest
@@ -63,7 +67,7 @@ def _report(archived: ArchivedRun, *, quiet: bool) -> dict[str, Any]:
         solution = manifest.controller if program is None else program.name
         what = f"{manifest.benchmark}, {solution}, trials {manifest.trials}"
         click.echo(_printable(what))
-    outcome, rows = _computed(archived, program, parts, quiet=quiet)
+    outcome, rows = _computed(archived, program, parts, isolation, quiet=quiet)
     differences += rerun_comparison.of_results(archived, outcome, rows)
     here = outcome.manifest or {}
     software = rerun_comparison.of_software(manifest, here)
@@ -167,6 +171,7 @@ def _computed(
     archived: ArchivedRun,
     program: PreparedProgram | None,
     parts: Mapping[str, PreparedProgram],
+    isolation: FindIsolation,
     *,
     quiet: bool,
 ) -> tuple[RunOutcome, Rows]:
@@ -175,9 +180,8 @@ def _computed(
 
     from seamark.cli.output_folder import RowsInMemory
     from seamark.cli.simulator_loading import loading_shown
-    from seamark.cli.solutions import isolation_level_while_loading, sandbox_failures_explained
+    from seamark.cli.solutions import sandbox_failures_explained
     from seamark.progress import Progress
-    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sim.recording.telemetry import WIDTH
     from seamark.sim.settings.refusal import ConfigurationInvalid
 
@@ -189,9 +193,7 @@ def _computed(
             Progress(manifest.benchmark, quiet=quiet) as bar,
             loading_shown(bar),
         ):
-            isolation = IsolationLevel.NONE
-            if program is not None or parts:
-                isolation = isolation_level_while_loading(manifest.benchmark)
+            level = isolation(manifest.benchmark)
             from seamark.worker.evaluation.local import Callbacks, evaluate_seeds
 
             outcome = evaluate_seeds(
@@ -206,7 +208,7 @@ def _computed(
                     trial_restarted=rows.discard,
                     progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
                 ),
-                isolation=isolation,
+                isolation=level,
             )
     except ConfigurationInvalid as error:
         raise UsageRefused(f"config.json: {error}") from None

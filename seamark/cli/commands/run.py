@@ -21,6 +21,7 @@ from seamark.cli.options import (
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
+    from seamark.cli.solutions import FindIsolation
     from seamark.programs.preparation import PreparedProgram
     from seamark.worker.ipc.outcomes import RunOutcome
 
@@ -78,27 +79,29 @@ def run(  # noqa: PLR0913  # one argument per option
     """
     from seamark.cli.extras import absent_in_box
     from seamark.cli.output_folder import OutputFolder
+    from seamark.cli.solutions import probing
 
     if score is not None:
         pairs = (*pairs, f"score={score}")
-    local_run = _local_run(
-        *(benchmark, controller, pairs, config),
-        trials=trials or 1,
-        seed=seed,
-        parts=parts_in(parts),
-    )
-    output = OutputFolder(out)
-    output.comments = _header_comments(local_run)
-    if not as_json:
-        click.echo(
-            f"{benchmark}, {local_run.controller}, seed {local_run.seed}, trials {local_run.trials}"
+    given = parts_in(parts)
+    boxes = bool(given) or (controller is not None and Path(controller).exists())
+    with probing(needed=boxes) as isolation:
+        local_run = _local_run(
+            *(benchmark, controller, pairs, config), trials=trials or 1, seed=seed, parts=given
         )
-    try:
-        outcome = _evaluate(local_run, output, quiet=as_json)
-    except KeyboardInterrupt:
-        output.save(local_run.benchmark, None)
-        click.echo("Stopped." + (f" Partial data: {out}" if out else ""), err=True)
-        exit_with(INTERRUPTED)
+        output = OutputFolder(out)
+        output.comments = _header_comments(local_run)
+        if not as_json:
+            click.echo(
+                f"{benchmark}, {local_run.controller}, seed {local_run.seed}, "
+                f"trials {local_run.trials}"
+            )
+        try:
+            outcome = _evaluate(local_run, output, isolation, quiet=as_json)
+        except KeyboardInterrupt:
+            output.save(local_run.benchmark, None)
+            click.echo("Stopped." + (f" Partial data: {out}" if out else ""), err=True)
+            exit_with(INTERRUPTED)
     output.save(local_run.benchmark, outcome)
     report(local_run, outcome, out, as_json=as_json)
     if install := absent_in_box(outcome.sentence):
@@ -157,22 +160,23 @@ def _header_comments(local_run: LocalRun) -> list[str]:
     ]
 
 
-def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
+def _evaluate(
+    local_run: LocalRun,
+    output: OutputFolder,
+    isolation: FindIsolation,
+    *,
+    quiet: bool,
+) -> RunOutcome:
     from seamark.cli.simulator_loading import loading_shown
-    from seamark.cli.solutions import isolation_level_while_loading, sandbox_failures_explained
+    from seamark.cli.solutions import sandbox_failures_explained
     from seamark.progress import Progress
-    from seamark.sandbox.isolation.level import IsolationLevel
 
-    program = local_run.program
-    boxes = program is not None or local_run.parts
     with (
         sandbox_failures_explained(),
         Progress(local_run.benchmark, quiet=quiet) as bar,
         loading_shown(bar),
     ):
-        isolation = IsolationLevel.NONE
-        if boxes:
-            isolation = isolation_level_while_loading(local_run.benchmark)
+        level = isolation(local_run.benchmark)
         from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
         callbacks = Callbacks(
@@ -186,10 +190,10 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
             local_run.config,
             seed=local_run.seed,
             trials=local_run.trials,
-            controller=program or local_run.controller,
+            controller=local_run.program or local_run.controller,
             parts=local_run.parts,
             callbacks=callbacks,
-            isolation=isolation,
+            isolation=level,
         )
 
 
