@@ -219,15 +219,30 @@ def to_f32(typing: Any, value: Any) -> Any:
 
 
 @intrinsic
-def load_pairs(typing: Any, array: Any, first: Any, at: Any, column: Any) -> Any:
+def all_alike(typing: Any, value: Any) -> Any:
+    """Return whether all lanes are the same, as a boolean."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        first = builder.extract_element(args[0], _INT(0))
+        same = builder.icmp_signed("==", args[0], _broadcast(builder, first, _INTS))
+        lanes = ir.IntType(WIDTH)
+        all_same = builder.icmp_signed("==", builder.bitcast(same, lanes), lanes(ALL_LANES))
+        return context.cast(builder, all_same, types.boolean, sig.return_type)
+
+    return (types.boolean(value), generate) if value == _i32x16 else None
+
+
+@intrinsic
+def load_pairs(typing: Any, array: Any, first: Any, at: Any, column: Any, alike: Any) -> Any:
     """Return sixteen pairs of neighbours in an array of uint8 or uint16, as int32 lanes.
 
     Each is the element at flat index first + at[k], in the low bits, and the next one, for k from
-    column on; `at` is of int32 (n,).
+    column on; `at` is of int32 (n,). If these are all `alike`, only one pair is loaded.
     """
     if not _is_matrix(array) or array.dtype not in (types.uint8, types.uint16):
         return None
     pair = ir.IntType(2 * array.dtype.bitwidth)
+    lanes = ir.VectorType(pair, WIDTH)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data, indices = (
@@ -235,15 +250,27 @@ def load_pairs(typing: Any, array: Any, first: Any, at: Any, column: Any) -> Any
         )
         first, column = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 3))
         data = builder.gep(data, [first])
-        value = ir.Constant(ir.VectorType(pair, WIDTH), ir.Undefined)
-        for k in range(WIDTH):
+
+        def one(k: int) -> Any:
             place = builder.add(column, context.get_constant(types.intp, k))
             index = builder.sext(builder.load(builder.gep(indices, [place])), place.type)
-            address = builder.bitcast(builder.gep(data, [index]), pair.as_pointer())
-            value = builder.insert_element(value, builder.load(address, align=1), _INT(k))
-        return value if pair.width == _INT.width else builder.zext(value, _INTS)
+            return builder.load(
+                builder.bitcast(builder.gep(data, [index]), pair.as_pointer()), align=1
+            )
 
-    return _i32x16(array, first, at, column), generate
+        value = cgutils.alloca_once(builder, lanes)
+        with builder.if_else(args[4]) as (then, otherwise):
+            with then:
+                builder.store(_broadcast(builder, one(0), lanes), value)
+            with otherwise:
+                each = ir.Constant(lanes, ir.Undefined)
+                for k in range(WIDTH):
+                    each = builder.insert_element(each, one(k), _INT(k))
+                builder.store(each, value)
+        pairs = builder.load(value)
+        return pairs if pair.width == _INT.width else builder.zext(pairs, _INTS)
+
+    return _i32x16(array, first, at, column, types.boolean), generate
 
 
 @intrinsic

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.numerics.simd import (
     WIDTH,
+    all_alike,
     f32x16,
     fma,
     horizontal_sum,
@@ -41,6 +42,7 @@ NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised
 
 _PIECE = 128  # [px] of a row that is sampled at once
 _TWO_PIECES = 2 * _PIECE
+_VECTORS = _TWO_PIECES // WIDTH
 SMOOTH_SUM = 16  # of the weights of the 3x3 binomial mask
 
 
@@ -51,11 +53,14 @@ def _locate(
     columns: tuple[Plane, int, int],
     limits: "tuple[F32x16, F32x16, F32x16, F32x16]",
     pitch: int,
-    out: tuple[NDArray[np.int32], Plane, int],
+    out: tuple[NDArray[np.int32], Plane, NDArray[np.int32], int],
 ) -> None:
-    """Write flat indices, and fractions in u and v, of a row's samples between two columns."""
+    """Write flat indices, and fractions in u and v, of a row's samples between two columns.
+
+    And for each vector whether its indices are all alike: so they are beyond a border.
+    """
     numbers, begin, end = columns
-    at, fractions, k = out
+    at, fractions, alike, k = out
     low_u, low_v, high_u, high_v = limits
     across_u, across_v, across_z = f32x16(m[0, 0]), f32x16(m[1, 0]), f32x16(m[2, 0])
     y = r - 1.0
@@ -70,17 +75,23 @@ def _locate(
         left, above = to_i32(u), to_i32(v)
         store(fractions, 0, k, u - to_f32(left))
         store(fractions, 1, k, v - to_f32(above))
-        store_i32(at, k, above * i32x16(pitch) + left)
+        places = above * i32x16(pitch) + left
+        store_i32(at, k, places)
+        alike[k // WIDTH] = all_alike(places)
         k += WIDTH
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _interpolate(image: Image, samples: tuple[NDArray[np.int32], Plane], k: int) -> "F32x16":
+def _interpolate(
+    image: Image, samples: tuple[NDArray[np.int32], Plane, NDArray[np.int32]], k: int
+) -> "F32x16":
     """Return sixteen bilinear samples; k is the first one's number in what `_locate` wrote."""
-    at, fractions = samples
+    at, fractions, alike = samples
+    one = alike[k // WIDTH] != 0
     bits, field = i32x16(8 * image.itemsize), i32x16((1 << 8 * image.itemsize) - 1)
     fu = load(fractions, 0, k)
-    upper, lower = load_pairs(image, 0, at, k), load_pairs(image, image.shape[1], at, k)
+    upper = load_pairs(image, 0, at, k, one)
+    lower = load_pairs(image, image.shape[1], at, k, one)
     a, d = to_f32(upper & field), to_f32(lower & field)
     over = fma(fu, to_f32(upper >> bits) - a, a)
     under = fma(fu, to_f32(lower >> bits) - d, d)
@@ -104,6 +115,7 @@ def warp_patch(
         Only the column numbers are read.
     """
     at, fractions = on_stack(np.int32, _TWO_PIECES), on_stack(np.float32, 2, _TWO_PIECES)
+    alike = on_stack(np.int32, _VECTORS)
     low_u, low_v = f32x16(bounds[0]), f32x16(bounds[1])
     high_u, high_v = f32x16(bounds[2] - 1.001), f32x16(bounds[3] - 1.001)
     limits = (low_u, low_v, high_u, high_v)
@@ -113,12 +125,12 @@ def warp_patch(
         for first in range(0, rows, 2):
             last = min(first + 2, rows)
             for r in range(first, last):
-                target = (at, fractions, (r - first) * _PIECE)
+                target = (at, fractions, alike, (r - first) * _PIECE)
                 _locate(m, r, (columns, begin, end), limits, pitch, target)
             for r in range(first, last):
                 k = (r - first) * _PIECE - begin
                 for c in range(begin, end, WIDTH):
-                    store(out, r, c, value * _interpolate(image, (at, fractions), k + c))
+                    store(out, r, c, value * _interpolate(image, (at, fractions, alike), k + c))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

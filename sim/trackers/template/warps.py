@@ -191,9 +191,13 @@ def reduce(
 
 @uncounted
 def _factorise(a: Matrix) -> bool:
-    """Replace the lower triangle by the Cholesky factor; False if not positive definite."""
-    for i in range(a.shape[0]):
-        for j in range(i + 1):
+    """Replace the lower triangle by the Cholesky factor; False if not positive definite.
+
+    It goes down the columns, where no number waits for the division before.
+    """
+    n = a.shape[0]
+    for j in range(n):
+        for i in range(j, n):
             s = a[i, j]
             for k in range(j):
                 s -= a[i, k] * a[j, k]
@@ -216,13 +220,15 @@ def solve(a: Matrix, b: NDArray[np.float64]) -> bool:
         return False
     n = a.shape[0]
     for i in range(n):
+        s = b[i]
         for k in range(i):
-            b[i] -= a[i, k] * b[k]
-        b[i] /= a[i, i]
+            s -= a[i, k] * b[k]
+        b[i] = s / a[i, i]
     for i in range(n - 1, -1, -1):
+        s = b[i]
         for k in range(i + 1, n):
-            b[i] -= a[k, i] * b[k]
-        b[i] /= a[i, i]
+            s -= a[k, i] * b[k]
+        b[i] = s / a[i, i]
     return True
 
 
