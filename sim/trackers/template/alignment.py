@@ -10,7 +10,6 @@ forward method (Baker & Matthews 2004), because for a group the inverse of exp(d
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.stack import on_stack
@@ -129,7 +128,7 @@ def zncc(level: PyramidLevel) -> float:
     return correlation(level.bench[PATCH], level.planes[TEMPLATE], level.columns, count, own)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _equations(
     level: PyramidLevel, weight: float, criterion: int, a: Matrix, g: NDArray[np.float64]
 ) -> None:
@@ -154,7 +153,7 @@ def _equations(
     model = (half, 0.5 * (1.0 - weight), gain, bias)
     normal_equations((patch, template, goal), rim, (level.columns, level.ys), model, a, g)
     if criterion == MI:
-        a[:] = level.hessian
+        assign(level.hessian, a)
 
 
 @uncounted
@@ -233,7 +232,7 @@ def _largest_step(before: Matrix, after: Matrix) -> float:
     return largest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def align(
     image: Image,
     bounds: NDArray[np.float64],

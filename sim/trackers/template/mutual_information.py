@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import log
 from seamark.sim.numerics.simd import WIDTH, f32x16, load, maximum, minimum, store
+from seamark.sim.numerics.stack import on_stack
+from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.patches import Matrix, Plane
 
 BINS = 10
@@ -44,13 +46,13 @@ _FIRST = np.array(
 )  # first coarse bin of each fine bin
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def bins_per_grey(sigma: float) -> float:
     """Return bins per grey value, for a template with this standard deviation [grey]."""
     return (BINS - 3.0) / (2.0 * REACH * sigma)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def quantise(values: Plane, rim: int, model: tuple[float, float], out: Plane) -> None:
     """Write the nearest fine bins 0..63 of gain * values + bias, without `rim`."""
     gain, bias = f32x16(model[0]), f32x16(model[1] + 0.5)
@@ -61,7 +63,7 @@ def quantise(values: Plane, rim: int, model: tuple[float, float], out: Plane) ->
             store(out, r, c, minimum(maximum(value, least), most))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _joint_histogram(template: Plane, patch: Plane, columns: int, pairs: NDArray[np.int32]) -> None:
     """Write the counts of pairs (template, patch) of fine bins."""
     pairs[:] = 0
@@ -71,10 +73,11 @@ def _joint_histogram(template: Plane, patch: Plane, columns: int, pairs: NDArray
             pairs[np.uint64(t), np.uint64(i)] += np.int32(1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _joint_probabilities(pairs: NDArray[np.int32], count: int, p: Matrix) -> None:
     """Write the joint probabilities p[template bin, patch bin] (10, 10)."""
-    spread = np.zeros((BINS, FINE_BINS))
+    spread = on_stack(np.float64, BINS, FINE_BINS)
+    spread[:] = 0.0
     for code in range(FINE_BINS):
         for k in range(_FIRST[code], _FIRST[code] + 3):
             weight = _WEIGHTS[code, k] / count
@@ -87,10 +90,12 @@ def _joint_probabilities(pairs: NDArray[np.int32], count: int, p: Matrix) -> Non
                 p[t, k] += spread[t, i] * _WEIGHTS[i, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _log_ratios(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
     """Write log(p / p of the patch's bin) and log(p / p of the template's bin)."""
-    of_template, of_patch = np.zeros(BINS), np.zeros(BINS)
+    of_template, of_patch = on_stack(np.float64, BINS), on_stack(np.float64, BINS)
+    of_template[:] = 0.0
+    of_patch[:] = 0.0
     for t in range(BINS):
         for k in range(BINS):
             of_template[t] += p[t, k]
@@ -104,12 +109,13 @@ def _log_ratios(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
                 over_template[t, k] = own - log(of_template[t])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def _table(
     template_side: Matrix, logs: Matrix, patch_side: Matrix, factor: float, out: Plane
 ) -> None:
     """Add factor * template_side @ logs @ patch_side.T, for all pairs of fine bins."""
-    half = np.zeros((BINS, FINE_BINS), np.float32)
+    half = on_stack(np.float32, BINS, FINE_BINS)
+    half[:] = 0.0
     for t in range(BINS):
         for i in range(FINE_BINS):
             for k in range(_FIRST[i], _FIRST[i] + 3):
@@ -123,7 +129,7 @@ def _table(
                 row[i] += weight * part[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted
 def information_gradient(
     template: Plane, patch: Plane, columns: int, weight: float, scale: float, errors: Plane
 ) -> None:
@@ -140,13 +146,16 @@ def information_gradient(
         Bins per grey value.
     """
     count = template.shape[0] * columns
-    pairs = np.empty((FINE_BINS, FINE_BINS), np.int32)
-    p, over_patch, over_template = (
-        np.empty((BINS, BINS)),
-        np.empty((BINS, BINS)),
-        np.empty((BINS, BINS)),
+    pairs, table = (
+        on_stack(np.int32, FINE_BINS, FINE_BINS),
+        on_stack(np.float32, FINE_BINS, FINE_BINS),
     )
-    table = np.zeros((FINE_BINS, FINE_BINS), np.float32)
+    p, over_patch, over_template = (
+        on_stack(np.float64, BINS, BINS),
+        on_stack(np.float64, BINS, BINS),
+        on_stack(np.float64, BINS, BINS),
+    )
+    table[:] = 0.0
     _joint_histogram(template, patch, columns, pairs)
     _joint_probabilities(pairs, count, p)
     _log_ratios(p, over_patch, over_template)
