@@ -17,7 +17,6 @@ from seamark.sim.numerics.uncounted import uncounted
 from seamark.sim.trackers.template.level_buffers import (
     COLUMN,
     COLUMNS,
-    COUNT,
     ERRORS,
     MEAN,
     PATCH,
@@ -124,8 +123,8 @@ def extract_patch(
 def zncc(level: PyramidLevel) -> float:
     """Return the ZNCC of the template with the level's patch."""
     own = (level.frame[MEAN], level.frame[SIGMA])
-    count = int(level.frame[COUNT])
-    return correlation(level.bench[PATCH], level.planes[TEMPLATE], level.columns, count, own)
+    inner = int(level.frame[COLUMNS])
+    return correlation(level.bench[PATCH], level.planes[TEMPLATE], level.columns, inner, own)
 
 
 @uncounted
@@ -136,9 +135,9 @@ def _equations(
     planes, frame = level.planes, level.frame
     patch, template, gain, bias = level.bench[PATCH], planes[TEMPLATE], 1.0, 0.0
     goal = template
-    half, rim = 0.5 * weight, 1
+    half, rim, inner = 0.5 * weight, 1, int(frame[COLUMNS])
     if criterion != SSD:
-        m, s = moments(patch, level.columns, int(frame[COUNT]))
+        m, s = moments(patch, level.columns, inner)
         gain = frame[SIGMA] / max(s, _MIN_SIGMA)
         bias = frame[MEAN] - gain * m
         half *= gain
@@ -148,10 +147,11 @@ def _equations(
         fine = _fine_values(frame)
         quantise(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
         own = planes[QUANTISED, : level.ys.shape[0]]
-        information_gradient(own, errors, int(frame[COLUMNS]), weight, scale, errors)
+        information_gradient(own, errors, inner, weight, scale, errors)
         goal, rim, gain, bias = errors, 0, 0.0, 0.0
     model = (half, 0.5 * (1.0 - weight), gain, bias)
-    normal_equations((patch, template, goal), rim, (level.columns, level.ys), model, a, g)
+    axes = (level.columns, level.ys)
+    normal_equations((patch, template, goal), rim, axes, inner, model, a, g)
     if criterion == MI:
         assign(level.hessian, a)
 
@@ -276,9 +276,9 @@ def align(
 
 def set_template(level: PyramidLevel, criterion: int) -> None:
     """Make the level's patch the template."""
-    rows, columns = len(level.ys), int(level.frame[COLUMNS])
+    columns = int(level.frame[COLUMNS])
     patch = level.bench[PATCH]
-    mean, sigma = moments(patch, level.columns, rows * columns)
+    mean, sigma = moments(patch, level.columns, columns)
     level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _MIN_SIGMA)
     level.planes[TEMPLATE, :, : columns + 2] = patch[:, : columns + 2]
     if criterion == MI:

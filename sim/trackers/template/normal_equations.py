@@ -145,6 +145,7 @@ def normal_equations(
     planes: tuple[Plane, Plane, Plane],
     rim: int,
     axes: tuple[Plane, Plane],
+    inner: int,
     model: tuple[float, float, float, float],
     a: Matrix,
     g: NDArray[np.float64],
@@ -159,6 +160,8 @@ def normal_equations(
         Of the last of them: 1, or 0 if it starts at the first inner pixel.
     axes : tuple
         Columns (3, width) and normalised rows.
+    inner
+        How many columns are inside.
     model : tuple
         Factors of the patch's and of the template's differences of neighbours; gain and bias from
         the patch to the template's grey values.
@@ -166,7 +169,7 @@ def normal_equations(
     totals = on_stack(np.float32, _MOMENTS, WIDTH)
     sums, moments = on_stack(np.float32, 1, WIDTH), on_stack(np.float64, _MOMENTS)
     totals[:] = 0.0
-    for c in range(0, axes[0].shape[1] - WIDTH, WIDTH):
+    for c in range(0, inner, WIDTH):
         _add_strip(planes, rim, axes, model, c, totals)
     for k in range(_MOMENTS // WIDTH):
         store(sums, 0, 0, horizontal_sums(totals, k * WIDTH))

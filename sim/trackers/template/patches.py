@@ -214,14 +214,15 @@ def smooth_window(image: Image, x0: int, y0: int, part: Window, out: NDArray[np.
 
 
 @uncounted
-def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
+def moments(patch: Plane, columns: Plane, inner: int) -> tuple[float, float]:
     """Return mean and standard deviation [grey] of a patch without its rim.
 
-    `count` is the number of pixels inside.
+    `inner` is the number of columns inside.
     """
-    rows, end = patch.shape[0] - 2, patch.shape[1] - WIDTH
+    rows = patch.shape[0] - 2
+    count = rows * inner
     sums = f32x16(0.0)
-    for c in range(0, end, WIDTH):
+    for c in range(0, inner, WIDTH):
         inside = f32x16(0.0)
         for r in range(1, rows + 1):
             inside = inside + load(patch, r, c + 1)
@@ -229,7 +230,7 @@ def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
     mean = float(horizontal_sum(sums)) / count
     middle = f32x16(mean)
     sums = f32x16(0.0)
-    for c in range(0, end, WIDTH):
+    for c in range(0, inner, WIDTH):
         inside = f32x16(0.0)
         for r in range(1, rows + 1):
             off = load(patch, r, c + 1) - middle
@@ -240,23 +241,24 @@ def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
 
 @uncounted
 def correlation(
-    patch: Plane, template: Plane, columns: Plane, count: int, own: tuple[float, float]
+    patch: Plane, template: Plane, columns: Plane, inner: int, own: tuple[float, float]
 ) -> float:
     """Return the zero-mean normalised correlation of a patch with the template.
 
     For two signals of equal mean and variance it is 1 - mean square difference / (2 variance).
-    `own` is the template's mean and standard deviation.
+    `inner` is as in `moments`, `own` the template's mean and standard deviation.
     """
-    m, s = moments(patch, columns, count)
+    m, s = moments(patch, columns, inner)
     if s < 1e-3:
         return 0.0
     mean, sigma = own
     gain, bias = f32x16(sigma / s), f32x16(mean - sigma / s * m)
     products = f32x16(0.0)
-    for c in range(0, patch.shape[1] - WIDTH, WIDTH):
+    rows = patch.shape[0] - 2
+    for c in range(0, inner, WIDTH):
         inside = f32x16(0.0)
-        for r in range(patch.shape[0] - 2):
+        for r in range(rows):
             off = load(template, r + 1, c + 1) - fma(gain, load(patch, r + 1, c + 1), bias)
             inside = fma(off, off, inside)
         products = products + inside * load(columns, MASK, c)
-    return float(1.0 - float(horizontal_sum(products)) / count / (2.0 * sigma * sigma))
+    return float(1.0 - float(horizontal_sum(products)) / (rows * inner) / (2.0 * sigma * sigma))

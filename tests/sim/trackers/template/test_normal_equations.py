@@ -22,7 +22,7 @@ def test_normal_equations_are_those_of_all_pixels_and_of_none_beyond_the_last_co
     a, g = np.zeros((8, 8)), np.zeros(8)
 
     model = (HALF, OWN, GAIN, BIAS)
-    normal_equations((patch, template, goal), rim, (columns, ys), model, a, g)
+    normal_equations((patch, template, goal), rim, (columns, ys), COLUMNS, model, a, g)
 
     inner = (slice(ROWS), slice(COLUMNS))
     both = HALF * patch + OWN * template
