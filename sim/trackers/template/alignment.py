@@ -111,12 +111,13 @@ def extract_patch(
     image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel, smooth: bool
 ) -> None:
     """Sample the image under the homography into the level's patch, and smooth it if asked to."""
-    bench = level.bench
+    bench, unit, width = level.bench, level.frame[UNIT], int(level.frame[COLUMNS]) + 2
+    columns = (level.columns, width)
     if not smooth:
-        warp_patch(image, bounds, h, level.frame[UNIT], level.columns, bench[PATCH])
+        warp_patch(image, bounds, h, unit, columns, bench[PATCH])
         return
-    warp_patch(image, bounds, h, level.frame[UNIT], level.columns, bench[RAW])
-    blur(bench[RAW], int(level.frame[COLUMNS]) + 2, bench[PATCH])
+    warp_patch(image, bounds, h, unit, columns, bench[RAW])
+    blur(bench[RAW], width, bench[PATCH])
 
 
 @uncounted

@@ -57,7 +57,8 @@ def _locate(
 ) -> None:
     """Write flat indices, and fractions in u and v, of a row's samples between two columns.
 
-    And for each vector whether its indices are all alike: so they are beyond a border.
+    And for each vector whether its indices are all alike: so they are beyond a border. Those of a
+    vector with one column count as alike, too.
     """
     numbers, begin, end = columns
     at, fractions, alike, k = out
@@ -77,7 +78,7 @@ def _locate(
         store(fractions, 1, k, v - to_f32(above))
         places = above * i32x16(pitch) + left
         store_i32(at, k, places)
-        alike[k // WIDTH] = all_alike(places)
+        alike[k // WIDTH] = all_alike(places) or c + 1 == end
         k += WIDTH
 
 
@@ -100,7 +101,12 @@ def _interpolate(
 
 @uncounted
 def warp_patch(
-    image: Image, bounds: NDArray[np.float64], m: Matrix, unit: float, columns: Plane, out: Plane
+    image: Image,
+    bounds: NDArray[np.float64],
+    m: Matrix,
+    unit: float,
+    columns: tuple[Plane, int],
+    out: Plane,
 ) -> None:
     """Write out[r, c] = unit times the image at m (c - 1, r - 1, 1), bilinear.
 
@@ -111,22 +117,24 @@ def warp_patch(
     ----------
     bounds : (4,)
         x0, y0, x1, y1 [px]: samples outside take the value at the border.
-    columns : (3, width)
-        Only the column numbers are read.
+    columns : tuple
+        Columns (3, width), of which only the numbers are read, and how many the patch has, rim
+        included. Those beyond become any numbers.
     """
     at, fractions = on_stack(np.int32, _TWO_PIECES), on_stack(np.float32, 2, _TWO_PIECES)
     alike = on_stack(np.int32, _VECTORS)
     low_u, low_v = f32x16(bounds[0]), f32x16(bounds[1])
     high_u, high_v = f32x16(bounds[2] - 1.001), f32x16(bounds[3] - 1.001)
     limits = (low_u, low_v, high_u, high_v)
-    rows, width, pitch, value = out.shape[0], out.shape[1] - WIDTH, image.shape[1], f32x16(unit)
+    numbers, width = columns
+    rows, pitch, value = out.shape[0], image.shape[1], f32x16(unit)
     for begin in range(0, width, _PIECE):
         end = min(begin + _PIECE, width)
         for first in range(0, rows, 2):
             last = min(first + 2, rows)
             for r in range(first, last):
                 target = (at, fractions, alike, (r - first) * _PIECE)
-                _locate(m, r, (columns, begin, end), limits, pitch, target)
+                _locate(m, r, (numbers, begin, end), limits, pitch, target)
             for r in range(first, last):
                 k = (r - first) * _PIECE - begin
                 for c in range(begin, end, WIDTH):
