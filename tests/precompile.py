@@ -47,7 +47,10 @@ for options in (
     {"benchmark": "currents-v1", "settings": truth},
     {"benchmark": "currents-v2", "settings": truth, "action": "thrusters"},
     {"benchmark": "currents-v2"},
+    {"benchmark": "currents-v2", "observation": "image"},
+    {"benchmark": "currents-v2", "settings": truth, "observation": "image"},
     {"benchmark": "currents-v2", "settings": truth, "observation": "image+depth"},
+    {"benchmark": "currents-v2", "settings": truth, "observation": "depth"},
 ):
     env = StationKeepingVectorEnv(num_envs=2, **options)
     env.reset(seed=0)

@@ -23,8 +23,10 @@ from seamark.sim.fleet.views import (
     Found,
     Trackers,
     motions_of,
+    show_all,
     track_all,
 )
+from seamark.sim.fleet.whole_steps import Scratch, step_and_see
 from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.lanes import LANES
 from seamark.sim.numerics.lent import lend
@@ -37,6 +39,7 @@ from seamark.sim.trackers.template.level_buffers import bench_size
 from seamark.sim.vehicles import load
 
 LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
+LEAST_WITH_EYES = 16  # that track or have images
 _PARTS_PER_THREAD = 4  # in which a thread takes its vehicles
 
 
@@ -77,7 +80,8 @@ class Fleet:
         by_thrusters
             Whether actions are commands of the thrusters.
         threads
-            At most so many; None: one per core. A thread has at least `LEAST_PER_THREAD` vehicles.
+            At most so many; None: one per core. A thread has at least `LEAST_PER_THREAD` vehicles,
+            or `LEAST_WITH_EYES`.
         images
             What `images` are like; None: there are none.
 
@@ -89,10 +93,11 @@ class Fleet:
         if reason := unsupported(config):
             raise ValueError(reason)
         self.count = count
-        most = max(1, count // LEAST_PER_THREAD)
+        self._truth, self._dt = config.tracker == TRUTH, config.control_period_s
+        with_eyes = images is not None or not self._truth
+        most = max(1, count // (LEAST_WITH_EYES if with_eyes else LEAST_PER_THREAD))
         self._threads = min(threads or len(os.sched_getaffinity(0)), most)
         self._pool = ThreadPoolExecutor(max(1, self._threads - 1), "fleet")
-        self._truth, self._dt = config.tracker == TRUTH, config.control_period_s
         self.steps_per_level = config.control_steps_per_level
         self.craft: list[Craft | None] = [None] * count
         self.tables: Tables = empty_tables(_sizes(config, count, by_thrusters=by_thrusters))
@@ -169,9 +174,7 @@ class Fleet:
 
     def begin(self, chosen: Flags) -> None:
         """Sense the start of a level with the chosen vehicles, (n,), just placed."""
-        self._track(chosen)
-        self._in_threads(sense_all, chosen, self._shared, self.tables)
-        self._take_images(chosen)
+        self._sense(chosen)
 
     def step(self, chosen: Flags, actions: Array) -> None:
         """Take the actions, (n, numbers), of the chosen vehicles and simulate a control step.
@@ -179,17 +182,37 @@ class Fleet:
         Afterwards observations, rows and rewards are those of the new state. A vehicle whose
         simulation diverged keeps its last ones.
         """
-        self._in_threads(step_all, chosen, actions, self._shared, self.tables)
+        one_by_one = not self._truth and self._trackers is None  # trackers of other libraries
+        if one_by_one or (self._truth and self._images is None):
+            self._in_threads(step_all, chosen, actions, self._shared, self.tables)
+        else:
+            fleet = self._shared, self.tables, self._scratch(chosen)
+            shown = self._images.shown() if self._images else (None, None, None)
+            self._in_threads(step_and_see, actions, fleet, self._trackers, *shown)
         touching = chosen & self.tables.outputs.touching
         for i in np.flatnonzero(touching).tolist():
             self._advance_in_contact(i)
-        if not self._truth:
-            going = chosen & ~self.tables.outputs.diverged
-            self._track(going)
-            self._in_threads(sense_all, going, self._shared, self.tables)
-        elif touching.any():
-            self._in_threads(sense_all, touching, self._shared, self.tables)
-        self._take_images(chosen & ~self.tables.outputs.diverged)
+        remaining = (chosen if one_by_one else touching) & ~self.tables.outputs.diverged
+        if remaining.any():
+            self._sense(remaining)
+
+    def _scratch(self, chosen: Flags) -> Scratch:
+        return Scratch(
+            going=chosen.copy(),
+            seeing=np.zeros(self.count, np.bool_),
+            motions=np.zeros((self.count, 12)),
+            frames=self._first_frames(),
+            blurred=self._blurred,
+        )
+
+    def _sense(self, chosen: Flags) -> None:
+        """Track, sense, and render the images that arrive, with vehicles that have moved."""
+        self._track(chosen)
+        self._in_threads(sense_all, chosen, self._shared, self.tables)
+        if self._images is not None:
+            motions, finite = self._motions(chosen & ~self.tables.outputs.diverged)
+            present, progress = (motions, self._frames()), self.tables.progress
+            self._in_threads(show_all, finite, present, progress, *self._images.shown())
 
     def telemetry(self, columns: NDArray[np.int64]) -> Array:
         """Return columns (k,) of the vehicles' rows of telemetry, (n, k), in a new array."""
@@ -210,12 +233,6 @@ class Fleet:
         seen = np.maximum(progress.step - progress.late[:, 0], 0) % progress.images.shape[1]
         corners: Array = progress.images[np.arange(self.count), seen]
         return corners
-
-    def _take_images(self, chosen: Flags) -> None:
-        if self._images is not None:
-            motions, finite = self._motions(chosen)
-            progress = self.tables.progress
-            self._images.step(finite, motions, self._frames(), progress, self._in_threads)
 
     def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
         """Call a compiled function for all vehicles, some of them at a time in each thread.
@@ -293,8 +310,11 @@ class Fleet:
 
     def _frames(self) -> Integers:
         """Return the numbers of the present images, (n,), since the trials began."""
-        progress = self.tables.progress
-        return np.rint(progress.start_s / self._dt).astype(np.int64) + progress.step
+        return self._first_frames() + self.tables.progress.step
+
+    def _first_frames(self) -> Integers:
+        """Return the numbers of the images at the beginning of the levels, (n,)."""
+        return np.rint(self.tables.progress.start_s / self._dt).astype(np.int64)
 
     def picture(self, i: int) -> NDArray[np.uint8]:
         """Return what the camera of a vehicle sees, (H, W, 3) blue, green, red.

@@ -3,7 +3,6 @@
 See `sim/engine/images_in_loop.py`, which does so for one vehicle.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +11,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.survey import Survey
-from seamark.sim.fleet.tables import Progress
-from seamark.sim.fleet.views import Pencils, draw_all, lend_camera, pencils_for, survey_all
-from seamark.sim.numerics.arrays import Array, Flags, Integers
-
-InThreads = Callable[..., None]
+from seamark.sim.fleet.views import Image, Pencils, Shots, lend_camera, pencils_for
 
 
 class ImageKind(NamedTuple):
@@ -48,10 +43,9 @@ class FleetImages:
         if kind.surveyed:
             shape = (count, height, width)
             self.surveys = Survey(np.zeros(shape, np.float32), np.zeros(shape, np.uint8))
-        self._channels, self._every, self._drawn = channels, every, kind.drawn
+        self._channels, self._drawn, self._every = channels, kind.drawn, every
         self._motions = np.zeros((slots, count, 12))
         self._frames = np.zeros((slots, count), np.int64)
-        self._vehicles = np.arange(count)
         self._cameras: list[Camera | None] = [None] * count  # what is lent has to live on
         self._pencils: Pencils | None = None
 
@@ -68,33 +62,15 @@ class FleetImages:
         under_way = {"motions": self._motions.swapaxes(0, 1), "frames": self._frames.T}
         return {"newest": self.newest} | surveys | under_way
 
-    def step(
-        self,
-        chosen: Flags,
-        motions: Array,
-        frames: Integers,
-        progress: Progress,
-        in_threads: InThreads,
-    ) -> None:
-        """Render what arrives now for the chosen vehicles (n,); the others keep their images.
+    def shown(self) -> tuple[Shots, Image | None, Survey | None]:
+        """Return the last arguments of `views.show_all`.
 
-        Parameters
-        ----------
-        motions : (n, 12)
-            Where they are now, as `Camera` has it.
-        frames : (n,)
-            Number of the present image.
-        in_threads
-            Calls a compiled function for parts of the vehicles.
+        Raises
+        ------
+        LookupError
+            No vehicle was ever placed.
         """
-        now = progress.step[chosen] % len(self._motions), self._vehicles[chosen]
-        self._motions[now], self._frames[now] = motions[chosen], frames[chosen]
-        taken = progress.step - progress.late[:, 0]
-        new = (progress.step == 0) | ((taken > 0) & (taken % self._every == 0))
-        then: Any = (np.maximum(taken, 0) % len(self._motions), self._vehicles)
-        if (chosen & new).any():
-            moved, numbers = self._motions[then], self._frames[then]
-            if self._drawn:
-                in_threads(draw_all, chosen & new, moved, numbers, self._pencils, self.newest)
-            if self.surveys is not None:
-                in_threads(survey_all, chosen & new, moved, self._pencils, self.surveys)
+        if self._pencils is None:
+            raise LookupError("a fleet without vehicles sees nothing")
+        shots = Shots(self._every, self._motions, self._frames, self._pencils)
+        return shots, self.newest if self._drawn else None, self.surveys

@@ -16,6 +16,7 @@ from seamark.sim.camera.rows import interleave
 from seamark.sim.camera.scene import buffers_for
 from seamark.sim.camera.survey import Survey, survey
 from seamark.sim.engine.sight import Sight, look
+from seamark.sim.fleet.tables import Progress
 from seamark.sim.numerics.arrays import Array, Flags, Integers
 from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES
@@ -47,6 +48,15 @@ class Found(NamedTuple):
 
     corners: Array  # (n, 8) [px] the last valid ones
     visible: Flags  # (n,)
+
+
+class Shots(NamedTuple):
+    """Images of a fleet on their way: where the cameras were when they were taken."""
+
+    every: int  # control steps from one image to the next
+    motions: Array  # (slots, n, 12) as `Camera` has them
+    frames: Integers  # (slots, n) numbers since the trial began
+    pencils: Pencils  # that they are drawn with
 
 
 def pencils_for(count: int, camera: Camera, channels: tuple[int, ...]) -> Pencils:
@@ -166,3 +176,40 @@ def track_all(
         found.visible[i] = look(sight, motions[i], frames[i], buffers, canvas, bench, corners)
     # The owners of what was borrowed must live until here.
     own.levels[0], sheet[0, 0], table[0] = 0, 0, 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def show_all(
+    first: int,
+    last: int,
+    chosen: Flags,
+    present: tuple[Array, Integers],
+    progress: Progress,
+    shots: Shots,
+    images: Image | None,
+    surveys: Survey | None,
+) -> None:
+    """Take an image with each of the chosen vehicles of some blocks, and render what arrives now.
+
+    The others keep their images and surveys, which are None where they are not wanted. `present`
+    are motions and frames as of `draw_all`, and become those of what is rendered.
+    """
+    motions, frames = present
+    new = np.zeros(chosen.size, np.bool_)
+    slots = shots.motions.shape[0]
+    for i in range(first * LANES, min(last * LANES, chosen.size)):
+        if not chosen[i]:
+            continue
+        step = progress.step[i]
+        taken = step - progress.late[i, 0]
+        new[i] = step == 0 or (taken > 0 and taken % shots.every == 0)
+        at = max(taken, 0) % slots
+        shots.frames[step % slots, i] = frames[i]
+        frames[i] = shots.frames[at, i]
+        for k in range(motions.shape[1]):
+            shots.motions[step % slots, i, k] = motions[i, k]
+            motions[i, k] = shots.motions[at, i, k]
+    if images is not None:
+        draw_all(first, last, new, motions, frames, shots.pencils, images)
+    if surveys is not None:
+        survey_all(first, last, new, motions, shots.pencils, surveys)

@@ -99,9 +99,15 @@ def test_every_bit_is_that_of_single_environments(mode: AutoresetMode, options: 
 
 
 @pytest.mark.slow
-def test_a_vehicle_that_hits_the_bottom_moves_as_in_the_single_environment() -> None:
-    settings = TRUTH | {"level_duration_s": 12.0}
-    ours, theirs = pair(AutoresetMode.NEXT_STEP, benchmark="currents-v1", settings=settings)
+@pytest.mark.parametrize(
+    ("settings", "observation"),
+    [(TRUTH, "state"), (TRUTH, "image"), (CAMERA, "state"), (CAMERA, "image")],
+)
+def test_a_vehicle_that_hits_the_bottom_moves_and_sees_as_in_the_single_environment(
+    settings: Any, observation: str
+) -> None:
+    options: Any = {"settings": settings | {"level_duration_s": 12.0}, "observation": observation}
+    ours, theirs = pair(AutoresetMode.NEXT_STEP, benchmark="currents-v1", **options)
     assert_same(ours.reset(seed=1), theirs.reset(seed=1))
     force = 0.0
 
@@ -125,15 +131,20 @@ def test_no_index_of_a_fleet_is_out_of_bounds(tmp_path: Path) -> None:
         check=False,
     )
 
-    assert "1 passed" in ended.stdout, ended.stdout[-2000:]
+    assert "4 passed" in ended.stdout, ended.stdout[-2000:]
 
 
 @pytest.mark.slow
-def test_the_number_of_threads_changes_no_bit() -> None:
+@pytest.mark.parametrize(
+    "options",
+    [{"settings": TRUTH}, {"settings": CAMERA, "observation": "image+corners"}],
+    ids=["true corners", "camera"],
+)
+def test_the_number_of_threads_changes_no_bit(options: Any) -> None:
     runs = []
     for threads in (1, 2, 3):
         env = StationKeepingVectorEnv(
-            num_envs=100, benchmark="currents-v2", settings=TRUTH, threads=threads
+            num_envs=100, benchmark="currents-v2", threads=threads, **options
         )
         env.action_space.seed(1)
         env.reset(seed=2)
@@ -142,8 +153,8 @@ def test_the_number_of_threads_changes_no_bit() -> None:
         runs.append(observations)
         env.close()
 
-    np.testing.assert_array_equal(runs[0], runs[1])
-    np.testing.assert_array_equal(runs[0], runs[2])
+    assert_equal(runs[0], runs[1])
+    assert_equal(runs[0], runs[2])
 
 
 def test_only_the_vehicles_in_the_mask_are_reset() -> None:
