@@ -318,7 +318,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         if self._shown.images is not None:
             images = self._fleet.images
             if IMAGE in self._shown.names:
-                parts[IMAGE] = images.newest.copy()
+                parts[IMAGE] = images.copy()
             if images.surveys is not None:
                 parts[DEPTH] = images.surveys.depth[..., None].copy()
                 parts[SEGMENTATION] = images.surveys.labels[..., None].copy()

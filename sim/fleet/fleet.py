@@ -187,7 +187,7 @@ class Fleet:
             self._in_threads(step_all, chosen, actions, self._shared, self.tables)
         else:
             fleet = self._shared, self.tables, self._scratch(chosen)
-            shown = self._images.shown() if self._images else (None, None, None)
+            shown = self._images.shown(copied=True) if self._images else (None, None, None)
             self._in_threads(step_and_see, actions, fleet, self._trackers, *shown)
         touching = chosen & self.tables.outputs.touching
         for i in np.flatnonzero(touching).tolist():

@@ -46,6 +46,7 @@ class FleetImages:
         self._channels, self._drawn, self._every = channels, kind.drawn, every
         self._motions = np.zeros((slots, count, 12))
         self._frames = np.zeros((slots, count), np.int64)
+        self._copy: Image | None = None  # of the newest images, if a step made one
         self._cameras: list[Camera | None] = [None] * count  # what is lent has to live on
         self._pencils: Pencils | None = None
 
@@ -62,8 +63,13 @@ class FleetImages:
         under_way = {"motions": self._motions.swapaxes(0, 1), "frames": self._frames.T}
         return {"newest": self.newest} | surveys | under_way
 
-    def shown(self) -> tuple[Shots, Image | None, Survey | None]:
-        """Return the last arguments of `views.show_all`.
+    def shown(self, *, copied: bool = False) -> tuple[Shots, Image | None, Survey | None]:
+        """Return the last arguments of `views.show_all`, which is called now for all vehicles.
+
+        Parameters
+        ----------
+        copied
+            Whether it makes the next `copy`, of images that are still in the processor's cache.
 
         Raises
         ------
@@ -72,5 +78,12 @@ class FleetImages:
         """
         if self._pencils is None:
             raise LookupError("a fleet without vehicles sees nothing")
-        shots = Shots(self._every, self._motions, self._frames, self._pencils)
+        self._copy = np.empty_like(self.newest) if copied and self._drawn else None
+        copies = self.newest[:0] if self._copy is None else self._copy
+        shots = Shots(self._every, self._motions, self._frames, self._pencils, copies)
         return shots, self.newest if self._drawn else None, self.surveys
+
+    def copy(self) -> Image:
+        """Return a copy of the newest images."""
+        made, self._copy = self._copy, None
+        return self.newest.copy() if made is None else made

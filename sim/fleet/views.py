@@ -57,6 +57,7 @@ class Shots(NamedTuple):
     motions: Array  # (slots, n, 12) as `Camera` has them
     frames: Integers  # (slots, n) numbers since the trial began
     pencils: Pencils  # that they are drawn with
+    copies: Image  # (n, height, width, channels) of the newest images, written; or empty
 
 
 def pencils_for(count: int, camera: Camera, channels: tuple[int, ...]) -> Pencils:
@@ -211,5 +212,9 @@ def show_all(
             motions[i, k] = shots.motions[at, i, k]
     if images is not None:
         draw_all(first, last, new, motions, frames, shots.pencils, images)
+        for i in range(first * LANES, min(last * LANES, shots.copies.shape[0])):
+            image, copy = images[i].ravel(), shots.copies[i].ravel()
+            for k in range(image.size):
+                copy[k] = image[k]
     if surveys is not None:
         survey_all(first, last, new, motions, shots.pencils, surveys)

@@ -84,6 +84,22 @@ def test_images_come_when_a_program_gets_them() -> None:
     assert 3 <= changes < STEPS  # the first is the only one for the time of the delay
 
 
+def test_what_a_policy_does_with_the_images_of_many_vehicles_changes_no_later_ones() -> None:
+    env, untouched = several(observation="image"), several(observation="image")
+    env.reset(seed=3)
+    untouched.reset(seed=3)
+
+    for _ in range(STEPS):  # an image comes at every second step: the others are those before
+        shown, *_ = env.step(np.full((3, 4), 0.1))
+        expected, *_ = untouched.step(np.full((3, 4), 0.1))
+        kept = expected.copy()
+        np.testing.assert_array_equal(shown, expected)
+        shown[:] = 0
+        untouched.step(np.full((3, 4), 0.1))
+        env.step(np.full((3, 4), 0.1))
+        np.testing.assert_array_equal(expected, kept)
+
+
 def test_the_target_of_a_segmentation_is_nearer_than_the_bottom() -> None:
     env = several(observation="depth+segmentation")
     shown, _ = env.reset(seed=1)
