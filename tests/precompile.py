@@ -48,6 +48,7 @@ for options in (
     {"benchmark": "currents-v2", "settings": truth, "action": "thrusters"},
     {"benchmark": "currents-v2"},
     {"benchmark": "currents-v2", "observation": "image"},
+    {"benchmark": "currents-v2", "observation": "image+depth"},
     {"benchmark": "currents-v2", "settings": truth, "observation": "image"},
     {"benchmark": "currents-v2", "settings": truth, "observation": "image+depth"},
     {"benchmark": "currents-v2", "settings": truth, "observation": "depth"},

@@ -164,7 +164,7 @@ def track_all(
     Parameters are as those of `draw_all`.
     """
     width, height = trackers.size
-    own, sheet = buffers_for(width), np.zeros((height, width), np.uint8)
+    own, sheet = buffers_for(width), np.empty((height, width), np.uint8)
     table = bench_for(trackers.bench_size)
     buffers, canvas, bench = borrowed(own), borrowed(sheet), borrowed(table)
     motions = borrowed(motions)
