@@ -1,6 +1,7 @@
 """Station keeping with many vehicles at once, as a Gymnasium vector environment."""
 
 from collections.abc import Mapping, Sequence
+from itertools import accumulate, pairwise
 from typing import Any
 
 import gymnasium
@@ -49,12 +50,24 @@ _OVER = "over"  # of a state: whether a vehicle's episode is over
 _COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
 
+def _places() -> dict[str, slice | int]:
+    """Return where in `_COLUMNS` each truth is."""
+    ends = accumulate((np.r_[columns].size for columns in TRUE_COLUMNS.values()), initial=0)
+    return {
+        name: slice(begin, end) if isinstance(columns, slice) else begin
+        for (name, columns), (begin, end) in zip(TRUE_COLUMNS.items(), pairwise(ends), strict=True)
+    }
+
+
+_PLACES = _places()
+
+
 class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
     """Vehicles that do not meet, each as in `StationKeepingEnv`, with the same bits.
 
     `reset(seed=N)` gives the vehicles the seeds N, N + 1, and so on. One compiled call simulates a
-    control step of all of them, one draws their images and one tracks their targets, on as many
-    threads as there are cores. With the tracker "truth" no image is rendered for it; trackers other
+    control step of all of them, tracks their targets and draws their images, on as many threads as
+    there are cores. With the tracker "truth" no image is rendered for it; trackers other
     than the template tracker get theirs one after the other.
     """
 
@@ -326,14 +339,9 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
 
     def _truth(self, known: Flags) -> Info:
         """Return the truth of the vehicles as `info` has it, for those in the mask."""
-        info: Info = {}
-        values, begin = self._fleet.telemetry(_COLUMNS), 0
-        for name, columns in TRUE_COLUMNS.items():
-            end = begin + np.r_[columns].size
-            several = isinstance(columns, slice)
-            info[name] = values[:, begin:end] if several else values[:, begin]
-            info[f"_{name}"], begin = known.copy(), end
-        return info
+        values = self._fleet.telemetry(_COLUMNS)
+        info: Info = {name: values[:, place] for name, place in _PLACES.items()}
+        return info | {f"_{name}": known.copy() for name in _PLACES}
 
     @property
     def telemetry(self) -> Array:
