@@ -57,8 +57,8 @@ def _locate(
 ) -> None:
     """Write flat indices, and fractions in u and v, of a row's samples between two columns.
 
-    And for each vector whether its indices are all alike: so they are beyond a border. Those of a
-    vector with one column count as alike, too.
+    And for each vector whether its indices are all alike, as beyond a border. Of a vector with one
+    column only the first is used, so they count as alike.
     """
     numbers, begin, end = columns
     at, fractions, alike, k = out
