@@ -1,0 +1,1 @@
+"""Competitions without a server: keys and seeds of rounds, ranks of a final, audit of it all."""
