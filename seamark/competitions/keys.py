@@ -13,7 +13,7 @@ that hold a round's key never need the service's.
 import hashlib
 import hmac
 
-from seamark.sim.engine.seeds import fresh_seed
+from seamark.sim.engine.seeds import SEED_MAX, fresh_seed
 
 
 def round_key(secret: bytes, competition: str, number: int) -> bytes:
@@ -74,10 +74,11 @@ def final_label(batch: int) -> str:
     return f"final batch {batch}"
 
 
-def trial_seeds(
-    key: bytes, competition: str, submission: str, trials: int, *, shared: bool
-) -> list[int]:
-    """Return the seed of each trial.
+def seed(key: bytes, competition: str, submission: str) -> int:
+    """Return the seed of a run, from 0 to `SEED_MAX`.
+
+    All trials of an entry have it, as those of a practice run have theirs: a trial's number is part
+    of what its seed gives. So once the key is known, anybody can repeat the run as a practice run.
 
     Parameters
     ----------
@@ -86,19 +87,12 @@ def trial_seeds(
     submission
         The digest of what was submitted, so that each submission of practice and qualification has
         water of its own; in a final, `final_label`.
-    trials
-        How many there are.
-    shared
-        Whether all trials have the seed of the first: `RankedProtocol.shared_seed`.
 
     Raises
     ------
     ValueError
-        If the key, the name of the competition or the digest is empty or there are no trials.
+        If the key, the name of the competition or the digest is empty.
     """
     if not competition:
         raise ValueError("the seeds of a round need the name of a competition")
-    if trials < 1:
-        raise ValueError(f"a run has at least one trial, not {trials}")
-    numbers = [0] * trials if shared else range(trials)
-    return [fresh_seed(key, competition, submission, number) for number in numbers]
+    return fresh_seed(key, competition, submission, 0) & SEED_MAX

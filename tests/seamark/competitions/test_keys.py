@@ -4,8 +4,11 @@ import hashlib
 from collections.abc import Callable
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from seamark.competitions.keys import commitment, final_label, round_key, trial_seeds
+from seamark.competitions.keys import commitment, final_label, round_key, seed
+from seamark.sim.engine.seeds import SEED_MAX
 
 KEY = bytes(range(32))
 
@@ -32,31 +35,18 @@ def test_the_commitment_is_the_sha_256_that_other_tools_compute() -> None:
 
 def test_the_seeds_of_a_round_never_change() -> None:
     """Or an audit file could no longer be checked."""
-    assert trial_seeds(KEY, "reef", "ab" * 32, 2, shared=False) == [
-        7833175132530365422,
-        7291718718479102006,
-    ]
+    assert seed(KEY, "reef", "ab" * 32) == 7833175132530365422 & SEED_MAX
 
 
-def test_trials_have_seeds_of_their_own_unless_they_share_that_of_the_first() -> None:
-    own = trial_seeds(KEY, "reef", "ab" * 32, 4, shared=False)
-    shared = trial_seeds(KEY, "reef", "ab" * 32, 4, shared=True)
-
-    assert len(set(own)) == 4
-    assert shared == [own[0]] * 4
-
-
-def test_more_trials_do_not_change_the_seeds_of_the_first() -> None:
-    few = trial_seeds(KEY, "reef", "ab" * 32, 3, shared=False)
-    many = trial_seeds(KEY, "reef", "ab" * 32, 24, shared=False)
-
-    assert many[:3] == few
+@given(st.binary(min_size=1), st.text(min_size=1), st.text(min_size=1))
+def test_a_seed_is_one_that_a_practice_run_may_have(key: bytes, name: str, digest: str) -> None:
+    assert 0 <= seed(key, name, digest) <= SEED_MAX
 
 
 def test_seeds_differ_in_key_competition_and_submission() -> None:
     first = (KEY, "reef", final_label(1))
     cases = [first, (KEY[::-1], *first[1:]), (KEY, "wreck", first[2]), (*first[:2], final_label(2))]
-    seeds = {trial_seeds(*case, 1, shared=False)[0] for case in cases}
+    seeds = {seed(*case) for case in cases}
 
     assert len(seeds) == len(cases)
 
@@ -69,10 +59,9 @@ def test_seeds_differ_in_key_competition_and_submission() -> None:
         (lambda: round_key(b"secret", "reef", -1), "negative"),
         (lambda: commitment(b""), "key of the round is empty"),
         (lambda: final_label(0), "counted from 1"),
-        (lambda: trial_seeds(b"", "reef", "ab", 1, shared=False), "secret"),
-        (lambda: trial_seeds(KEY, "", "ab", 1, shared=False), "name of a competition"),
-        (lambda: trial_seeds(KEY, "reef", "", 1, shared=False), "digest"),
-        (lambda: trial_seeds(KEY, "reef", "ab", 0, shared=True), "at least one trial"),
+        (lambda: seed(b"", "reef", "ab"), "secret"),
+        (lambda: seed(KEY, "", "ab"), "name of a competition"),
+        (lambda: seed(KEY, "reef", ""), "digest"),
     ],
 )
 def test_an_empty_argument_is_an_error(wrong: Callable[[], object], word: str) -> None:
