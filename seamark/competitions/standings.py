@@ -50,12 +50,12 @@ class Placing:
     """The place of a finalist, and the ranks that the trials leave possible; None: it failed."""
 
     key: int
-    place: int | None
-    place_low: int | None  # the best rank that is possible
-    place_high: int | None
-    score: float | None
-    score_low: float | None  # also None if there are fewer than two blocks of trials
-    score_high: float | None
+    place: int | None = None
+    place_low: int | None = None  # the best rank that is possible
+    place_high: int | None = None
+    score: float | None = None
+    score_low: float | None = None  # also None if there are fewer than two blocks of trials
+    score_high: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,6 +95,7 @@ def decide(finalists: Sequence[Finalist], *, block: int, looks: int, ties: Ties)
     ran = [one for one in finalists if one.scores is not None]
     scores = [mean(one.scores or ()) for one in ran]
     means = [block_means(one.scores or (), block) for one in ran]
+    intervals = [_interval(*each, looks) for each in zip(scores, means, strict=True)]
     better, separated = _compared(means, looks)
     low = 1 + np.sum(better, axis=0)  # better[i, j]: i is better than j
     high = len(ran) - np.sum(better, axis=1)
@@ -108,15 +109,19 @@ def decide(finalists: Sequence[Finalist], *, block: int, looks: int, ties: Ties)
         ),
     )
     placings = [
-        _placing(
-            ran[at].key,
-            (int(low[at]) if ties == Ties.SHARED else place, int(low[at]), int(high[at])),
-            (scores[at], *_interval(scores[at], means[at], looks)),
+        Placing(
+            key=ran[at].key,
+            place=int(low[at]) if ties == Ties.SHARED else place,
+            place_low=int(low[at]),
+            place_high=int(high[at]),
+            score=scores[at],
+            score_low=intervals[at][0],
+            score_high=intervals[at][1],
         )
         for place, at in enumerate(order, 1)
     ]
     failed = sorted((one.submitted_at, one.key) for one in finalists if one.scores is None)
-    placings += [_placing(key, (None,) * 3, (None,) * 3) for _, key in failed]
+    placings += [Placing(key=key) for _, key in failed]
     return Standings(placings=tuple(placings), separated=separated)
 
 
@@ -180,21 +185,3 @@ def _interval(score: float, means: list[float], looks: int) -> tuple[float | Non
     critical = quantile(0.5 * (1.0 - CONFIDENCE) / looks, len(means) - 1.0)
     margin = critical * standard_error(means)
     return score - margin, score + margin
-
-
-def _placing(
-    key: int,
-    places: tuple[int | None, int | None, int | None],
-    scores: tuple[float | None, float | None, float | None],
-) -> Placing:
-    place, place_low, place_high = places
-    score, score_low, score_high = scores
-    return Placing(
-        key=key,
-        place=place,
-        place_low=place_low,
-        place_high=place_high,
-        score=score,
-        score_low=score_low,
-        score_high=score_high,
-    )

@@ -1,0 +1,292 @@
+"""Checks the audit document of a competition: computes anew all that follows from the rest.
+
+What nobody can compute from the document is that its commitments are those that were published
+before the rounds, and that the service measured the scores that it says. The first anybody compares
+who kept the commitments; the second anybody computes anew who has the program, since its seed is
+here (`seamark run`).
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import isclose
+from typing import Any
+
+from seamark.competitions.audit_document import (
+    Audit,
+    AuditInvalid,
+    Entry,
+    Round,
+    RoundKind,
+    canonical_sha256,
+    read,
+)
+from seamark.competitions.findings import Finding, Level
+from seamark.competitions.keys import commitment, final_label, seed
+from seamark.competitions.standings import Finalist, Placing, Standings, decide
+from seamark.sim.numerics.statistics import mean
+
+# Pairs of finalists times trials that the standings of all batches take: some ten seconds. A final
+# of 200 finalists with five batches of 24 trials has 7e6.
+WORK_MAX = 1e8
+FINALISTS_MAX = 2000
+SHOWN = 10  # runs that a sentence names
+_ROUNDING = 1e-9  # of scores: another program may add in another order
+
+
+def verify(document: Mapping[str, Any]) -> list[Finding]:
+    """Return what was checked and what is wrong.
+
+    Raises
+    ------
+    AuditInvalid
+        If the document cannot be read, or is too large to be checked.
+    """
+    audit = read(document)
+    entries: dict[int, list[Entry]] = defaultdict(list)
+    for entry in audit.entries:
+        entries[entry.round].append(entry)
+    findings = [_frozen(audit)]
+    for each in audit.rounds:
+        findings += _keys(audit, each, entries[each.number])
+        findings += _runs(each, entries[each.number])
+        if each.kind == RoundKind.FINAL:
+            findings += _final(audit, each, entries[each.number])
+    if audit.standings is not None and all(each.kind != RoundKind.FINAL for each in audit.rounds):
+        findings.append(_problem("There are standings of a final, but no final."))
+    return findings
+
+
+def _frozen(audit: Audit) -> Finding:
+    if canonical_sha256(audit.frozen) != audit.frozen_sha256:
+        return _problem("The frozen benchmark does not have the SHA-256 that the document states.")
+    return _good(f"The frozen benchmark has the SHA-256 {audit.frozen_sha256}.")
+
+
+def _keys(audit: Audit, played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
+    """Whether key and commitment belong together, and the seeds follow from the key."""
+    name = _name(played)
+    if played.key is None:
+        yield Finding(
+            Level.WARNING,
+            f"{name}: its key is not revealed, so commitment and seeds cannot be checked.",
+        )
+        return
+    key = bytes.fromhex(played.key)
+    if commitment(key) != played.commitment:
+        yield _problem(f"{name}: its key does not belong to the commitment {played.commitment}.")
+    else:
+        yield _good(f"{name}: its key belongs to the commitment {played.commitment}.")
+    yield from _each(
+        f"{name}: the seed does not follow from the key in",
+        f"{name}: the seeds follow from the key in",
+        entries,
+        (entry for entry in entries if entry.seed != _seed(audit, key, entry)),
+    )
+
+
+def _seed(audit: Audit, key: bytes, entry: Entry) -> int:
+    label = entry.submission if entry.batch is None else final_label(entry.batch)
+    return seed(key, audit.competition, label)
+
+
+def _runs(played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
+    """Whether each run fits what was submitted and the times and trials of its round."""
+    name = _name(played)
+    shown = [entry for entry in entries if entry.submitted is not None]
+    yield from _each(
+        f"{name}: the digest of the submission is not that of what was submitted in",
+        f"{name}: the digest of the submission is that of what was submitted in",
+        shown,
+        (each for each in shown if canonical_sha256(each.submitted or {}) != each.submission),
+    )
+    if len(shown) < len(entries):
+        hidden = len(entries) - len(shown)
+        yield Finding(
+            Level.WARNING,
+            f"{name}: {_count(hidden)} {'does' if hidden == 1 else 'do'} not show what was "
+            "submitted, so the digest of the submission cannot be checked.",
+        )
+    yield from _each(
+        f"{name}: not {played.trials} scores, or another mean than the score, in",
+        f"{name}: the score is the mean of {played.trials} trials in",
+        entries,
+        (entry for entry in entries if not _is_scored(entry, played.trials)),
+    )
+    if played.kind != RoundKind.FINAL:  # its entries were submitted before
+        teams = [entry for entry in entries if entry.team is not None]
+        yield from _each(
+            f"{name}: submitted while the round was not open:",
+            f"{name}: submitted while the round was open:",
+            teams,
+            (entry for entry in teams if not _is_open(played, entry.submitted_at)),
+        )
+
+
+def _is_scored(entry: Entry, trials: int) -> bool:
+    if entry.scores is None or entry.score is None:
+        return entry.scores is None and entry.score is None
+    return len(entry.scores) == trials and _alike(entry.score, mean(entry.scores))
+
+
+def _is_open(played: Round, at: float) -> bool:
+    after = played.opens_at is None or played.opens_at <= at
+    return after and (played.closes_at is None or at <= played.closes_at)
+
+
+def _final(audit: Audit, final: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
+    """Whether the standings follow from the scores, and the final ended when it had to."""
+    if audit.standings is None:
+        yield Finding(Level.WARNING, f"{_name(final)}: it has no standings yet.")
+        return
+    batches = audit.standings.batches
+    finalists: dict[int, dict[int, Entry]] = defaultdict(dict)
+    for entry in entries:
+        if entry.team is not None and entry.batch is not None:
+            finalists[entry.key][entry.batch] = entry
+    wrong = [*_misfits(final, batches, finalists)]
+    if wrong:
+        yield from map(_problem, wrong)
+        return
+    work = len(finalists) ** 2 * final.trials * batches * (batches + 1) / 4.0
+    if work > WORK_MAX or len(finalists) > FINALISTS_MAX:
+        raise AuditInvalid(
+            f"the final is too large to be checked: {len(finalists)} finalists, {batches} batches "
+            f"of {final.trials} trials"
+        )
+    looks = [_standings(final, finalists, batch) for batch in range(1, batches + 1)]
+    yield _compared(final, audit.standings.placings, looks[-1])
+    yield _ended(final, looks, says=audit.standings.separated)
+
+
+def _misfits(
+    final: Round, batches: int, finalists: Mapping[int, Mapping[int, Entry]]
+) -> Iterator[str]:
+    """Yield why no standings can be computed."""
+    name = _name(final)
+    if batches > final.looks:
+        yield f"{name}: it had {batches} batches, of at most {final.looks}."
+    for key, runs in finalists.items():
+        first = next(iter(runs.values()))
+        same = (first.team, first.method, first.submission, first.submitted_at)
+        if any((e.team, e.method, e.submission, e.submitted_at) != same for e in runs.values()):
+            yield f"{name}: finalist {key} is not the same submission in all batches."
+        if any(batch > batches for batch in runs):
+            yield f"{name}: finalist {key} has a run after the last batch, {batches}."
+        lengths = {final.trials, *(len(e.scores) for e in runs.values() if e.scores is not None)}
+        if len(lengths) > 1:
+            yield f"{name}: finalist {key} has another number of trials than {final.trials}."
+        failed = min((batch for batch in runs if runs[batch].scores is None), default=batches)
+        missing = [batch for batch in range(1, failed + 1) if batch not in runs]
+        if missing:
+            yield f"{name}: finalist {key} has no run in batch {missing[0]}."
+
+
+def _standings(
+    final: Round, finalists: Mapping[int, Mapping[int, Entry]], batches: int
+) -> Standings:
+    """Return the standings after some batches."""
+    return decide(
+        [
+            Finalist(
+                key=key,
+                submitted_at=next(iter(runs.values())).submitted_at,
+                scores=_scores(runs, batches),
+            )
+            for key, runs in finalists.items()
+        ],
+        block=final.block,
+        looks=final.looks,
+        ties=final.ties,
+    )
+
+
+def _scores(runs: Mapping[int, Entry], batches: int) -> list[float] | None:
+    """Return the scores of a finalist in its first batches; None if one of these runs failed."""
+    scores: list[float] = []
+    for batch in range(1, batches + 1):
+        run = runs.get(batch)
+        if run is None or run.scores is None:
+            return None
+        scores += run.scores
+    return scores
+
+
+def _compared(final: Round, stated: Sequence[Placing], computed: Standings) -> Finding:
+    keys = [each.key for each in computed.placings]
+    if [each.key for each in stated] != keys:
+        return _problem(
+            f"{_name(final)}: the order of the standings does not follow from the scores, which "
+            f"give {_listed(keys)} (keys of the finalists, the best first)."
+        )
+    pairs = zip(stated, computed.placings, strict=True)
+    wrong = [one.key for one, other in pairs if not _same_placing(one, other)]
+    if wrong:
+        return _problem(
+            f"{_name(final)}: places, ranges or scores do not follow from the scores of the trials "
+            f"for the finalists {_listed(wrong)}."
+        )
+    return _good(f"{_name(final)}: the standings of {len(keys)} finalists follow from the scores.")
+
+
+def _same_placing(one: Placing, other: Placing) -> bool:
+    places = one.place, one.place_low, one.place_high
+    if places != (other.place, other.place_low, other.place_high):
+        return False
+    stated = one.score, one.score_low, one.score_high
+    return all(map(_alike, stated, (other.score, other.score_low, other.score_high)))
+
+
+def _ended(final: Round, looks: Sequence[Standings], *, says: bool) -> Finding:
+    """Whether the final ended at the first batch that separated its ranks, or with the last one."""
+    name, batches = _name(final), len(looks)
+    if says != looks[-1].separated:
+        is_apart = "are" if looks[-1].separated else "are not"
+        return _problem(f"{name}: after {batches} batches its ranks {is_apart} separated.")
+    early = next((at for at, look in enumerate(looks[:-1], 1) if look.separated), None)
+    if early is not None:
+        return _problem(f"{name}: its ranks were separated after batch {early}, but it went on.")
+    if not says and batches < final.looks:
+        return _problem(
+            f"{name}: its ranks are not separated, but it ended after {batches} of "
+            f"{final.looks} batches."
+        )
+    why = "its ranks were separated" if says else "there may be no more"
+    return _good(f"{name}: it ended after {batches} batches, since {why}.")
+
+
+def _alike(one: float | None, other: float | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
+
+
+def _each(
+    wrong_says: str, right_says: str, checked: Sequence[Entry], wrong: Iterable[Entry]
+) -> Iterator[Finding]:
+    """Yield a sentence about the runs that were checked, if there are any."""
+    runs = [entry.run for entry in wrong]
+    if runs:
+        yield _problem(f"{wrong_says} {len(runs)} of {_count(len(checked))}: {_listed(runs)}.")
+    elif checked:
+        yield _good(f"{right_says} {_count(len(checked))}.")
+
+
+def _count(runs: int) -> str:
+    return f"{runs} {'run' if runs == 1 else 'runs'}"
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    shown = ", ".join(map(str, numbers[:SHOWN]))
+    return f"{shown} and {len(numbers) - SHOWN} more" if len(numbers) > SHOWN else shown
+
+
+def _name(played: Round) -> str:
+    return f"Round {played.number} ({played.kind})"
+
+
+def _good(sentence: str) -> Finding:
+    return Finding(Level.GOOD, sentence)
+
+
+def _problem(sentence: str) -> Finding:
+    return Finding(Level.PROBLEM, sentence)

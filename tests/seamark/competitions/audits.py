@@ -1,0 +1,114 @@
+"""A small competition and its audit document, in which everything is right."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from seamark.competitions.audit_document import (
+    Audit,
+    Decision,
+    Entry,
+    Round,
+    RoundKind,
+    as_document,
+    canonical_sha256,
+)
+from seamark.competitions.keys import commitment, final_label, round_key, seed
+from seamark.competitions.standings import Finalist, Ties, decide
+from seamark.sim.numerics.statistics import mean
+
+NAME = "reef"
+TRIALS, BATCHES = 6, 2
+FROZEN = {"benchmark": "currents-v3", "settings": {"levels": [0.1, 0.5], "trials": TRIALS}}
+KINDS = (RoundKind.PRACTICE, RoundKind.QUALIFICATION, RoundKind.FINAL)
+# Of each finalist in two batches: the first two are apart only after the second batch.
+FINAL = {
+    21: ([0.50, 0.61, 0.52, 0.65, 0.55, 0.50], [0.51, 0.60, 0.53, 0.64, 0.54, 0.52]),
+    22: ([0.45, 0.50, 0.53, 0.55, 0.52, 0.42], [0.44, 0.50, 0.45, 0.55, 0.44, 0.45]),
+    23: ([0.05, 0.10, 0.02, 0.13, 0.01, 0.03], [0.04, 0.11, 0.03, 0.12, 0.02, 0.02]),
+    24: (None, None),
+}
+
+
+def round_of(number: int) -> Round:
+    key = round_key(b"secret", NAME, number)
+    return Round(
+        number=number,
+        kind=KINDS[number - 1],
+        opens_at=1000.0 * number,
+        closes_at=1000.0 * number + 999.0,
+        commitment=commitment(key),
+        key=key.hex(),
+        trials=TRIALS,
+        block=1,
+        looks=5 if number == 3 else 1,
+        ties=Ties.EARLIER,
+    )
+
+
+def entry(
+    number: int,
+    key: int,
+    scores: Sequence[float] | None,
+    *,
+    batch: int | None = None,
+    team: str | None = "",
+) -> Entry:
+    """Return a run; of a team that is named after the key, unless it is a reference entry."""
+    submitted = {"benchmark": NAME, "configuration": {"kp": key}, "program": f"{key:064x}"}
+    submission = canonical_sha256(submitted)
+    return Entry(
+        round=number,
+        key=key,
+        batch=batch,
+        team=f"team {key}" if team == "" else team,
+        method="PI",
+        submitted_at=1500.0 if number == 1 else 2500.0,
+        submission=submission,
+        submitted=submitted,
+        run=100 * number + 10 * (batch or 0) + key % 10,
+        seed=seed(
+            round_key(b"secret", NAME, number),
+            NAME,
+            submission if batch is None else final_label(batch),
+        ),
+        scores=scores,
+        score=None if scores is None else mean(scores),
+        digest=None if scores is None else "ab" * 32,
+    )
+
+
+def small() -> Audit:
+    """Return a competition with three rounds, four finalists, one of which failed, and a mark."""
+    scores = [0.1, 0.3, 0.2, 0.4, 0.1, 0.3]
+    batches = range(1, BATCHES + 1)
+    finalists = [
+        Finalist(
+            key=key,
+            submitted_at=2500.0,
+            scores=None if rows[0] is None or rows[1] is None else [*rows[0], *rows[1]],
+        )
+        for key, rows in FINAL.items()
+    ]
+    final = [
+        entry(3, key, rows[batch - 1], batch=batch)
+        for key, rows in FINAL.items()
+        for batch in batches
+    ]
+    marks = [entry(3, 9, scores, batch=batch, team=None) for batch in batches]
+    standings = decide(finalists, block=1, looks=5, ties=Ties.EARLIER)
+    return Audit(
+        competition=NAME,
+        title="A reef in a current",
+        benchmark="currents-v3",
+        frozen=FROZEN,
+        frozen_sha256=canonical_sha256(FROZEN),
+        rounds=[round_of(number) for number in (1, 2, 3)],
+        entries=[entry(1, 1, scores), entry(2, 21, scores), entry(2, 24, None), *final, *marks],
+        standings=Decision(
+            batches=BATCHES, separated=standings.separated, placings=standings.placings
+        ),
+    )
+
+
+def document() -> dict[str, Any]:
+    return as_document(small())
