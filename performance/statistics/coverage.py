@@ -170,7 +170,7 @@ def _ranges(trials: Array) -> Array:
         high=score,
         standard_error=error,
         degrees=np.full(rows, count - 1.0),
-        people=np.ones(rows, dtype=np.int64),
+        counts=np.ones(rows, dtype=np.int64),
     )
     return np.array(
         [

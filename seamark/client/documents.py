@@ -124,6 +124,7 @@ class SweepDocument(TypedDict):
 class LeaderboardQuery(TypedDict, total=False):
     """Filters, order and pages of a leaderboard."""
 
+    per: Literal["person", "method"]
     vehicle: str
     tracker: str
     language: str
@@ -149,7 +150,7 @@ class RankDocument(TypedDict):
     score_low: float
     score_high: float
     level_held: float | None
-    submissions: int
+    submissions: int | None
     reached_at: float
     is_baseline: bool
     title: str

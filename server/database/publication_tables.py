@@ -56,7 +56,7 @@ class RankPoint(Base):
 
 
 class ScoreCount(Base):
-    """Number of people on a leaderboard in a class of scores (leaderboard/score_counts.py)."""
+    """Number of rows of a leaderboard in a class of scores (leaderboard/score_counts.py)."""
 
     __tablename__ = "score_counts"
 
@@ -65,3 +65,4 @@ class ScoreCount(Base):
     error_class: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     degrees: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     people: Mapped[int]
+    methods: Mapped[int] = mapped_column(default=0, server_default="0")

@@ -12,13 +12,15 @@ from sqlalchemy import (
     MetaData,
     String,
     Text,
+    TextClause,
     UniqueConstraint,
     false,
     literal,
     text,
     true,
 )
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+from sqlalchemy.orm import DeclarativeBase, Mapped, declared_attr, mapped_column, relationship
+from sqlalchemy.schema import SchemaItem
 
 from seamark.server.monitoring.log import request_id
 
@@ -321,13 +323,13 @@ class Result(Base):
     )
 
 
-class Best(Base):
-    """The best published ranked run of a user in a benchmark: a row of the leaderboard.
+class BoardRow:
+    """A row of a leaderboard, as of the best published ranked run that it is about.
 
     Baselines are rows as well, but have no rank.
     """
 
-    __tablename__ = "best"
+    __tablename__: str
 
     benchmark: Mapped[str] = mapped_column(String(80), primary_key=True)
     user_id: Mapped[int] = mapped_column(
@@ -341,7 +343,8 @@ class Best(Base):
     degrees: Mapped[int] = mapped_column(default=0, server_default="0")  # of freedom of the error
     is_baseline: Mapped[bool] = mapped_column(default=False, server_default=false())
     level_held: Mapped[float | None]
-    submissions: Mapped[int] = mapped_column(default=1, server_default="1")  # ranked, that ended
+    # Ranked runs of the user in the benchmark that ended.
+    submissions: Mapped[int] = mapped_column(default=1, server_default="1")
     reached_at: Mapped[float]
     # Copied from the run and its result: what rows are filtered and sorted by.
     language: Mapped[str] = mapped_column(String(40), default="", server_default="")  # "": built in
@@ -349,34 +352,57 @@ class Best(Base):
     tracker: Mapped[str] = mapped_column(String(40), default="", server_default="")
     metrics: Mapped[dict[str, float] | None] = mapped_column(_Json)  # NULL: not computed yet
 
-    __table_args__ = (
-        CheckConstraint(_FINITE.format("score"), name="finite"),
-        UniqueConstraint("run_id"),
-        Index(
-            "ix_best_without_metrics",
-            "run_id",
-            sqlite_where=text("metrics IS NULL"),
-            postgresql_where=text("metrics IS NULL"),
-        ),
-        Index(
-            "ix_best_rank",
-            "benchmark",
-            text("score DESC"),
-            "reached_at",
-            "run_id",
-            "is_baseline",  # so that counting people reads the index alone
-        ),
-        Index(
-            "ix_best_baselines",
-            "benchmark",
-            sqlite_where=text("is_baseline"),
-            postgresql_where=text("is_baseline"),
-        ),
-    )
+    @declared_attr.directive
+    @classmethod
+    def __table_args__(cls) -> tuple[SchemaItem, ...]:  # noqa: D105 - SQLAlchemy's
+        name = cls.__tablename__
+        return (
+            CheckConstraint(_FINITE.format("score"), name="finite"),
+            UniqueConstraint("run_id"),
+            Index(
+                f"ix_{name}_without_metrics",
+                "run_id",
+                sqlite_where=text("metrics IS NULL"),
+                postgresql_where=text("metrics IS NULL"),
+            ),
+            Index(
+                f"ix_{name}_rank",
+                "benchmark",
+                text("score DESC"),
+                "reached_at",
+                "run_id",
+                "is_baseline",  # so that counting rows reads the index alone
+            ),
+            Index(
+                f"ix_{name}_baselines",
+                "benchmark",
+                sqlite_where=text("is_baseline"),
+                postgresql_where=text("is_baseline"),
+            ),
+        )
 
 
-# As the partial index has it: SQLite does not find it by `is_baseline = 1`.
-IS_BASELINE = text("best.is_baseline")
+class Best(BoardRow, Base):
+    """The best published ranked run of a user in a benchmark."""
+
+    __tablename__ = "best"
+
+
+class BestMethod(BoardRow, Base):
+    """The best published ranked run of a method of a user in a benchmark; of a baseline, of all."""
+
+    __tablename__ = "best_methods"
+
+    # `method_names.key` of the run's; folding makes at most three characters of one.
+    method: Mapped[str] = mapped_column(String(180), primary_key=True, sort_order=1)
+
+
+def is_baseline(table: type[BoardRow]) -> TextClause:
+    """Return the condition as the partial index has it; SQLite needs it to the letter."""
+    return text(f"{table.__tablename__}.is_baseline")
+
+
+IS_BASELINE = is_baseline(Best)
 
 
 class Check(Base):

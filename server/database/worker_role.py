@@ -15,7 +15,7 @@ READ = (
 CHANGED = ("runs", "assigned_runs", "rejudged_runs", "verifications")
 OWN = (
     *("best", "checks", "counters", "disk_usage", "paces", "rank_points", "results"),
-    *("publications", "score_counts", "turns", "workers"),
+    *("best_methods", "publications", "score_counts", "turns", "workers"),
 )
 ADDED = ("run_notices", "seen_submissions")  # to which they only add
 _USERS_HIDDEN = frozenset(("password_hash",))

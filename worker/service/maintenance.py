@@ -154,11 +154,11 @@ def forget_programs(database: Database, settings: Settings) -> None:
 
 
 def complete_leaderboards(database: Database) -> None:
-    """Compute the metrics of rows that an earlier version stored without them."""
+    """Compute the rows that an earlier version stored in part."""
     with database.writing() as session:
-        count = best_runs.complete_metrics(session)
+        count = best_runs.complete(session)
     if count:
-        _log.info("leaderboards_completed", rows=count)
+        _log.info("leaderboards_completed", users=count)
 
 
 def verify_first(app: Celery, database: Database, settings: Settings) -> None:

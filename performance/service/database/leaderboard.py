@@ -24,6 +24,7 @@ from seamark.server.database.tables import Best
 from seamark.server.runs.leaderboard import leaderboard, leaderboard_filters, score_counts
 from seamark.server.runs.leaderboard.leaderboard import Cursor
 from seamark.server.runs.leaderboard.leaderboard_filters import ONLY, BoardFilter
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.settings import Settings
 
@@ -57,6 +58,16 @@ FILL = (
         0.05 + (id * 104729 % 1009) / 5045.0, 9, FALSE, 1, id
     FROM users
     """,
+    """
+    INSERT INTO best_methods (
+        benchmark, user_id, method, run_id, score, score_low, score_high, standard_error, degrees,
+        is_baseline, submissions, reached_at
+    )
+    SELECT
+        benchmark, user_id, 'pi', run_id, score, score_low, score_high, standard_error, degrees,
+        is_baseline, submissions, reached_at
+    FROM best
+    """,
 )
 WINDOW = """
     SELECT * FROM (
@@ -76,7 +87,7 @@ def fill(database: Database, people: int) -> None:
             score_counts.key_of(Estimate(score=score, standard_error=error, degrees=degrees))
             for score, error, degrees in scores
         )
-        score_counts.replace_all(session, Counter((NAME, key) for key in keys))
+        score_counts.replace_all(session, Counter((NAME, key, per) for key in keys for per in Per))
     with database.engine.begin() as connection:
         connection.execute(text("ANALYZE"))
 
@@ -100,6 +111,10 @@ def measure(session: Session, people: int) -> list[Row]:
         "page in the middle": lambda: leaderboard.page(session, NAME, after=half),
         "page with a filter that nobody passes": lambda: leaderboard_filters.page(
             session, NAME, BoardFilter(language="fmu"), after=half
+        ),
+        "first page of 50 methods": lambda: leaderboard.page(session, NAME, per=Per.METHOD),
+        "page of methods in the middle": lambda: leaderboard.page(
+            session, NAME, per=Per.METHOD, after=half
         ),
         "baselines": lambda: leaderboard_filters.page(session, NAME, BoardFilter(baselines=ONLY)),
         "own rank": lambda: leaderboard.rank_of(session, NAME, people // 2),
@@ -142,7 +157,7 @@ def _exact(session: Session) -> Population:
         high=score,
         standard_error=error,
         degrees=degrees,
-        people=np.ones(len(score), dtype=np.int64),
+        counts=np.ones(len(score), dtype=np.int64),
     )
 
 

@@ -18,6 +18,13 @@ SHIPPED = "Reference entries that Seamark ships"
 
 @click.command()
 @benchmark_argument
+@click.option(
+    "--per",
+    type=click.Choice(["person", "method"]),
+    default="person",
+    show_default=True,
+    help="One row for each person, or for each named method of a person.",
+)
 @click.option("--program", type=click.Choice(["uploaded", "built-in"]), help="Kind of program.")
 @click.option("--language", help="Language of uploaded programs.")
 @click.option("--vehicle", help="Vehicle of the runs.")
@@ -27,7 +34,7 @@ SHIPPED = "Reference entries that Seamark ships"
     type=click.Choice(["hide", "only"]),
     help="Hide the reference entries, or show nothing else.",
 )
-@click.option("--mine", is_flag=True, help="Only the row of the account; needs a token.")
+@click.option("--mine", is_flag=True, help="Only the rows of the account; needs a token.")
 @click.option("--sort", metavar="METRIC", help="Sort the first rows by another metric.")
 @click.option("--limit", type=click.IntRange(1, 500), default=20, show_default=True)
 @server_options
@@ -72,7 +79,7 @@ def _cells(row: Mapping[str, Any], sort: object) -> list[str]:
     rank = "-" if row["rank"] is None else str(row["rank"])
     if row["rank_low"] != row["rank_high"]:
         rank += f" ({row['rank_low']}-{row['rank_high']})"
-    cells = [rank, row["user"], row["title"] or row["controller"], row["language"] or "built-in"]
+    cells = [rank, row["user"], row["method"], row["language"] or "built-in"]
     cells += [row["tracker"] or "-", f"{row['score']:.4g}"]
     cells += [_interval(row), str(row["run"])]
     return [*cells, f"{row['metrics'][sort]:.4g}"] if sort else cells

@@ -11,11 +11,17 @@ from seamark.server.api.requests.schemas import ResponseModel
 from seamark.server.api.runs.publication_schemas import VerificationResponse
 from seamark.server.runs.leaderboard.leaderboard import COLUMNS
 from seamark.server.runs.leaderboard.leaderboard_filters import SORTED_MAX
+from seamark.server.runs.leaderboard.per import Per
 
 
 class RankQuery(Query):
     """Filters, order, pagination and format of the leaderboard."""
 
+    per: Per = Field(
+        Per.PERSON,
+        description="One row for each `person`, with the best run, or for each named `method` of a "
+        "person",
+    )
     vehicle: str = Field("", max_length=40, description="Vehicle of the run, such as girona500")
     tracker: str = Field("", max_length=40, description="Built-in tracker of the run")
     language: str = Field("", max_length=40, description="Language of an uploaded program")
@@ -23,7 +29,7 @@ class RankQuery(Query):
     baselines: Literal["", "hide", "only"] = Field(
         "", description="`hide` the reference entries, or show `only` these"
     )
-    mine: bool = Field(False, description="Only the row of the account")
+    mine: bool = Field(False, description="Only the rows of the account")
     sort: str = Field(
         "",
         max_length=80,

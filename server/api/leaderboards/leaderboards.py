@@ -104,6 +104,7 @@ class _Board:
 
 def _filter(query: RankQuery) -> BoardFilter:
     return BoardFilter(
+        per=query.per,
         vehicle=query.vehicle,
         tracker=query.tracker,
         language=query.language,

@@ -30,6 +30,7 @@ from seamark.server.runs.leaderboard.leaderboard_filters import (
     BoardFilter,
     BoardPage,
 )
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Population
 from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
 from seamark.server.runs.recomputation import verifications
@@ -59,14 +60,14 @@ def show(name: str) -> ResponseReturnValue:
     metric = next((m for m in benchmark.board_metrics if m.name == request.args.get("sort")), None)
     begin, labels = after is None, _labels(benchmark)
     with services().database.reading() as session:
-        people = score_counts.population(session, name)
-        board = _page(session, benchmark, chosen, metric, after=after, people=people)
+        population = score_counts.population(session, name, chosen.per)
+        board = _page(session, benchmark, chosen, metric, after=after, population=population)
         marks = reference_entries.entries(session, benchmark)
         pending = reference_entries.are_pending(session, benchmark, marks)
         leaders = leader_replay.leaders(session, board.ranks) if begin and not metric else ()
-        own = _own(session, name, people)
+        own = _own(session, name, chosen.per, population)
         verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
-        offered = _choices(session, name, board, labels)
+        offered = _choices(session, name, chosen.per, board, labels)
     leader = leader_replay.first_replayable(leaders)
     return render_template(
         "leaderboard/show.html",
@@ -77,13 +78,13 @@ def show(name: str) -> ResponseReturnValue:
         verified=verified,
         next=board.next.text() if board.next else None,
         first=begin,
-        count=people.size,
+        count=population.size,
         marks=marks,
         pending=pending,
         chosen=chosen,
         labels=labels,
         filters=_filters(labels, offered),
-        sortable=bool(benchmark.board_metrics) and people.size > 1,
+        sortable=bool(benchmark.board_metrics) and population.size > 1,
         query={key: value for key, value in request.args.items() if key != "after"},
         metric=metric,
         shown_metric=metric or next(iter(benchmark.board_metrics), None),
@@ -111,7 +112,8 @@ def _after() -> Cursor | None:
 def _filter() -> BoardFilter:
     values = {key: request.args.get(key, "") for key in FILTERS}
     mine = g.viewer.user_id if request.args.get("mine") else None
-    return BoardFilter(**values, user_id=mine)
+    per = Per.METHOD if request.args.get("per") == Per.METHOD else Per.PERSON
+    return BoardFilter(**values, per=per, user_id=mine)
 
 
 def _page(
@@ -121,23 +123,27 @@ def _page(
     metric: Metric | None,
     *,
     after: Cursor | None,
-    people: Population,
+    population: Population,
 ) -> BoardPage:
     name = benchmark.name
     if metric is None:
         return leaderboard_filters.page(
-            session, name, chosen, after=after, limit=SIZE, people=people
+            session, name, chosen, after=after, limit=SIZE, population=population
         )
-    ranks = leaderboard_filters.by_metric(session, name, metric, chosen, limit=SIZE, people=people)
+    ranks = leaderboard_filters.by_metric(
+        session, name, metric, chosen, limit=SIZE, population=population
+    )
     return BoardPage(ranks, None)
 
 
-def _own(session: Session, name: str, people: Population) -> dict[str, Any]:
-    """Return the viewer's own row and the history of its rank."""
+def _own(session: Session, name: str, per: Per, population: Population) -> dict[str, Any]:
+    """Return the viewer's best row and, of the one per person, the history of its rank."""
     user_id = g.viewer.user_id
     if user_id is None:
         return {"mine": None, "history": None}
-    mine = leaderboard.rank_of(session, name, user_id, people)
+    mine = leaderboard.rank_of(session, name, user_id, per=per, population=population)
+    if per is Per.METHOD:
+        return {"mine": mine, "history": None}
     points = rank_history.of_user(session, user_id, name)
     return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
 
@@ -155,14 +161,14 @@ def _pareto(
 
 
 def _choices(
-    session: Session, name: str, board: BoardPage, labels: Labels
+    session: Session, name: str, per: Per, board: BoardPage, labels: Labels
 ) -> Mapping[str, Collection[str]]:
     """Return filter -> values of which some rows pass and others do not.
 
     Of a leaderboard of several pages all values are offered: looking for them would take too long.
     """
     if request.args:
-        kinds = leaderboard.kinds(session, name, limit=leaderboard_filters.SEEN_MAX)
+        kinds = leaderboard.kinds(session, name, per=per, limit=leaderboard_filters.SEEN_MAX)
         return leaderboard_filters.choices(kinds)
     if board.next is not None:
         return {name: list(values) for name, values in labels.items()}

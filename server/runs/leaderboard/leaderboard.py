@@ -1,10 +1,11 @@
 """The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth.
 
-A user has one row per benchmark: the best published ranked run.
+A user has one row per benchmark, the best published ranked run, or one per method: `Per` says which
+rows they are. Without it a function is about people.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from itertools import islice
 from typing import Any, NamedTuple, Self, get_type_hints
@@ -20,8 +21,9 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import IS_BASELINE, Best, Run, User
+from seamark.server.database.tables import Best, BoardRow, Run, User, is_baseline
 from seamark.server.runs.leaderboard import score_counts
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.runs.record import anonymity, solutions
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -49,16 +51,13 @@ class Cursor:
         return cursor
 
 
-_ORDER = (Best.score.desc(), Best.reached_at, Best.run_id)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
     """What the database and the API have of a field of a `Rank`, and of it alone."""
 
     name: str  # of the field
     type: Any
-    selected: Any = None  # None: it is computed
+    selected: Any = None  # None: it is computed; of `Best`, or of `per.table` in its place
     answered: str = ""  # its name at the API and in the CSV; empty: it is not there
     meaning: str | None = None  # in the documentation of the API
     answer: "Callable[[Rank], Any] | None" = None  # what the API says; None: the field itself
@@ -110,9 +109,11 @@ class Rank:
     low: float = field(metadata=_of(Best.score_low, answered="score_low"))
     high: float = field(metadata=_of(Best.score_high, answered="score_high"))
     level_held: float | None = field(metadata=_of(Best.level_held))
-    submissions: int = field(
+    submissions: int | None = field(
         metadata=_of(
-            Best.submissions, meaning="ranked runs of this user in this benchmark that ended"
+            Best.submissions,
+            meaning="ranked runs of this user in this benchmark that ended; null for an anonymous "
+            "method, which it would link to others of its author",
         )
     )
     reached_at: float = field(metadata=_of(Best.reached_at))
@@ -155,32 +156,43 @@ COLUMNS = [
     Column(name=one.name, type=_TYPES[one.name], **{"answered": one.name} | one.metadata["column"])
     for one in fields(Rank)
 ]
-# Columns alone: objects of the ORM take longer.
-_SELECTED = [one.selected.label(one.name) for one in COLUMNS if one.selected is not None]
+
+
+def _selected(per: Per) -> Iterator[ColumnElement[Any]]:
+    """Yield what a row consists of. Columns alone: objects of the ORM take longer."""
+    for one in COLUMNS:
+        if one.selected is not None:
+            of_row = one.selected.class_ is Best
+            column = getattr(per.table, one.selected.key) if of_row else one.selected
+            yield column.label(one.name)
+
+
+_SELECTED = {per: tuple(_selected(per)) for per in Per}
 
 
 def page(
     session: Session,
     benchmark: str,
     *,
+    per: Per = Per.PERSON,
     after: Cursor | None = None,
     limit: int = 50,
-    people: Population | None = None,
+    population: Population | None = None,
 ) -> list[Rank]:
     """Return the next rows of one benchmark, best first; equal scores in order of time.
 
-    `people` are those of the leaderboard, if the caller has them; here and below.
+    `population` is that of the rows, if the caller has it; here and below.
     """
-    query = _rows(benchmark).order_by(*_ORDER).limit(limit)
+    query = _rows(benchmark, per).order_by(*_order(per)).limit(limit)
     number = 0
     if after is not None:
-        query = query.where(*_below(after))
-        number = people_down_to(session, benchmark, after)
-    people = score_counts.population(session, benchmark) if people is None else people
+        query = query.where(*_below(after, per))
+        number = count_down_to(session, benchmark, after, per)
+    population = population or score_counts.population(session, benchmark, per)
     ranks: list[Rank] = []
     for row in session.execute(query):
         number += not row.is_baseline
-        ranks.append(_rank(row, number, people))
+        ranks.append(_rank(row, number, population, per))
     return ranks
 
 
@@ -194,7 +206,7 @@ def leaders_of(
 ) -> dict[str, list[Rank]]:
     """Return name -> `leaders` of some benchmarks, by one statement."""
     each = (select(_leading(benchmark, count).subquery()) for benchmark in benchmarks)
-    rows = sorted(session.execute(union_all(*each)), key=_order)
+    rows = sorted(session.execute(union_all(*each)), key=_place_of)
     return {
         benchmark.name: _leaders((row for row in rows if row.benchmark == benchmark.name), count)
         for benchmark in benchmarks
@@ -236,13 +248,20 @@ class Key:
         return Cursor(self.score, self.reached_at, self.run_id)
 
 
-def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit: int) -> list[Key]:
+def keys(
+    session: Session,
+    benchmark: str,
+    *,
+    per: Per = Per.PERSON,
+    after: Cursor | None = None,
+    limit: int,
+) -> list[Key]:
     """Return the keys of the next rows, best first: a fraction of the work of whole rows."""
-    query = _keys(benchmark).order_by(*_ORDER).limit(limit)
+    query = _keys(benchmark, per).order_by(*_order(per)).limit(limit)
     number = 0
     if after is not None:
-        query = query.where(*_below(after))
-        number = people_down_to(session, benchmark, after)
+        query = query.where(*_below(after, per))
+        number = count_down_to(session, benchmark, after, per)
     merged: list[Key] = []
     for row in session.execute(query):
         number += not row.is_baseline
@@ -250,67 +269,109 @@ def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit
     return merged
 
 
-def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = None) -> list[Key]:
+def baseline_keys(
+    session: Session, benchmark: str, *, per: Per = Per.PERSON, after: Cursor | None = None
+) -> list[Key]:
     """Return the keys of all baselines, or of those after a row, best first. They are few.
 
     Sorted here: with ORDER BY, SQLite would look for them among all rows in that order.
     """
-    rows = session.execute(_keys(benchmark).where(IS_BASELINE))
+    rows = session.execute(_keys(benchmark, per).where(is_baseline(per.table)))
     ordered = [Key.of(0, row) for row in rows]
     ordered.sort(key=lambda key: place(key.cursor))
     return [key for key in ordered if after is None or place(key.cursor) > place(after)]
 
 
-def kinds(session: Session, benchmark: str, *, limit: int) -> set[Kind]:
+def kinds(session: Session, benchmark: str, *, per: Per = Per.PERSON, limit: int) -> set[Kind]:
     """Return what filters can tell apart among the first rows."""
-    columns = (Best.language, Best.vehicle, Best.tracker, Best.is_baseline)
-    first = select(*columns).where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
-    return {Kind(*row) for row in session.execute(select(first.subquery()).distinct())}
+    row = per.table
+    query = select(row.language, row.vehicle, row.tracker, row.is_baseline)
+    first = query.where(row.benchmark == benchmark).order_by(*_order(per)).limit(limit)
+    return {Kind(*each) for each in session.execute(select(first.subquery()).distinct())}
 
 
 def rows_of(
-    session: Session, benchmark: str, chosen: Sequence[Key], people: Population | None = None
+    session: Session,
+    benchmark: str,
+    chosen: Sequence[Key],
+    *,
+    per: Per = Per.PERSON,
+    population: Population | None = None,
 ) -> list[Rank]:
     """Return the whole rows of some keys, in their order."""
     if not chosen:
         return []
-    query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
-    rows = {row.user_id: row for row in session.execute(query)}
-    people = score_counts.population(session, benchmark) if people is None else people
-    return [_rank(rows[key.user_id], key.number, people) for key in chosen if key.user_id in rows]
+    query = _rows(benchmark, per).where(per.table.run_id.in_([key.run_id for key in chosen]))
+    rows = {row.run_id: row for row in session.execute(query)}
+    population = population or score_counts.population(session, benchmark, per)
+    return [
+        _rank(rows[key.run_id], key.number, population, per) for key in chosen if key.run_id in rows
+    ]
+
+
+def ranks_of(
+    session: Session,
+    benchmark: str,
+    user_id: int,
+    *,
+    per: Per = Per.PERSON,
+    after: Cursor | None = None,
+    limit: int = 1,
+    population: Population | None = None,
+) -> list[Rank]:
+    """Return the next of a user's own rows, best first. They are sorted here, as baselines are."""
+    rows = session.execute(_rows(benchmark, per).where(per.table.user_id == user_id))
+    ordered = sorted(rows, key=_place_of)
+    following = [row for row in ordered if after is None or _place_of(row) > place(after)][:limit]
+    if not following:
+        return []
+    population = population or score_counts.population(session, benchmark, per)
+    return [
+        _rank(row, count_down_to(session, benchmark, _cursor(row), per), population, per)
+        for row in following
+    ]
 
 
 def rank_of(
-    session: Session, benchmark: str, user_id: int, people: Population | None = None
+    session: Session,
+    benchmark: str,
+    user_id: int,
+    *,
+    per: Per = Per.PERSON,
+    population: Population | None = None,
 ) -> Rank | None:
-    """Return a user's own row, or None without one."""
-    row = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
-    if row is None:
-        return None
-    here = Cursor(row.score, row.reached_at, row.run_id)
-    number = people_down_to(session, benchmark, here)
-    people = score_counts.population(session, benchmark) if people is None else people
-    return _rank(row, number, people)
+    """Return the best of a user's own rows, or None without one."""
+    own = ranks_of(session, benchmark, user_id, per=per, population=population)
+    return own[0] if own else None
 
 
-def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:
+def _rows(benchmark: str, per: Per = Per.PERSON) -> Select[*tuple[Any, ...]]:
+    own = per.table
     return (
-        select(*_SELECTED, Best.standard_error, Best.degrees)
-        .join(Run, Run.id == Best.run_id)
-        .join(User, User.id == Best.user_id)
-        .where(Best.benchmark == benchmark)
+        select(*_SELECTED[per], own.standard_error, own.degrees)
+        .join(Run, Run.id == own.run_id)
+        .join(User, User.id == own.user_id)
+        .where(own.benchmark == benchmark)
     )
 
 
-def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
-    columns = (Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.reached_at)
-    query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
-    return query.where(Best.benchmark == benchmark)
+def _keys(benchmark: str, per: Per) -> Select[*tuple[Any, ...]]:
+    own = per.table
+    columns = (own.user_id, own.run_id, own.is_baseline, own.score, own.reached_at)
+    query = select(*columns, own.language, own.vehicle, own.tracker, own.metrics)
+    return query.where(own.benchmark == benchmark)
+
+
+def _order(per: Per) -> tuple[ColumnElement[Any], ...]:
+    own = per.table
+    return own.score.desc(), own.reached_at.asc(), own.run_id.asc()
 
 
 def _leading(benchmark: Benchmark, count: int) -> Select[*tuple[Any, ...]]:
     """Select so many first rows that `count` people are among them, if there are as many."""
-    return _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
+    return (
+        _rows(benchmark.name).order_by(*_order(Per.PERSON)).limit(count + len(benchmark.baselines))
+    )
 
 
 def _leaders(rows: Iterable[Row[*tuple[Any, ...]]], count: int) -> list[Rank]:
@@ -318,48 +379,60 @@ def _leaders(rows: Iterable[Row[*tuple[Any, ...]]], count: int) -> list[Rank]:
     return [_rank(row, number, None) for number, row in enumerate(people, start=1)]
 
 
-def _order(row: Row[*tuple[Any, ...]]) -> tuple[float, float, int]:
-    return place(Cursor(row.score, row.reached_at, row.run_id))
+def _cursor(row: Row[*tuple[Any, ...]]) -> Cursor:
+    return Cursor(row.score, row.reached_at, row.run_id)
+
+
+def _place_of(row: Row[*tuple[Any, ...]]) -> tuple[float, float, int]:
+    return place(_cursor(row))
 
 
 def place(cursor: Cursor) -> tuple[float, float, int]:
-    """Return what sorts as `_ORDER` does."""
+    """Return what sorts as `_order` does."""
     return -cursor.score, cursor.reached_at, cursor.run_id
 
 
-def _below(cursor: Cursor) -> tuple[ColumnElement[bool], ...]:
+def _below(cursor: Cursor, per: Per) -> tuple[ColumnElement[bool], ...]:
     # The first condition says less than the second, but databases find it in the index.
-    return Best.score <= cursor.score, ~_not_below(cursor)
+    return per.table.score <= cursor.score, ~_not_below(cursor, per)
 
 
-def _not_below(cursor: Cursor) -> ColumnElement[bool]:
-    same = Best.score == cursor.score
+def _not_below(cursor: Cursor, per: Per) -> ColumnElement[bool]:
+    own = per.table
+    same = own.score == cursor.score
     return or_(
-        Best.score > cursor.score,
-        and_(same, Best.reached_at < cursor.reached_at),
-        and_(same, Best.reached_at == cursor.reached_at, Best.run_id <= cursor.run_id),
+        own.score > cursor.score,
+        and_(same, own.reached_at < cursor.reached_at),
+        and_(same, own.reached_at == cursor.reached_at, own.run_id <= cursor.run_id),
     )
 
 
-def people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
-    """Return the number of people at or above a row."""
-    not_below = _not_below(here)
-    return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below)
+def count_down_to(session: Session, benchmark: str, here: Cursor, per: Per = Per.PERSON) -> int:
+    """Return the number of people or methods at or above a row."""
+    not_below = _not_below(here, per)
+    return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below, per=per)
 
 
-def estimate_of(best: Best | Row[*tuple[Any, ...]]) -> Estimate:
+def estimate_of(row: BoardRow | Row[*tuple[Any, ...]]) -> Estimate:
     """Return the score of a row with what is known of its uncertainty."""
-    return Estimate(score=best.score, standard_error=best.standard_error, degrees=best.degrees)
+    return Estimate(score=row.score, standard_error=row.standard_error, degrees=row.degrees)
 
 
-def _rank(row: Row[*tuple[Any, ...]], number: int, people: Population | None) -> Rank:
+def _rank(
+    row: Row[*tuple[Any, ...]],
+    number: int,
+    population: Population | None,
+    per: Per = Per.PERSON,
+) -> Rank:
     low, high = None, None
-    if people is not None and not row.is_baseline:
-        low, high = people.rank_range(estimate_of(row))
+    if population is not None and not row.is_baseline:
+        low, high = population.rank_range(estimate_of(row))
     values = row._asdict() | {"metrics": row.metrics or {}}
     if row.anonymous:
         masked = {"user": anonymity.NAME, "affiliation": ""}
         values |= masked | {"program_name": anonymity.file_name(row.program_name)}
+        if per is Per.METHOD:  # all methods of an author have the same number
+            values["submissions"] = None
     del values["standard_error"], values["degrees"]
     rank = None if row.is_baseline else number
     return Rank(rank=rank, rank_low=low, rank_high=high, **values)

@@ -11,7 +11,8 @@ from typing import Protocol, TypeVar
 from sqlalchemy.orm import Session
 
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.leaderboard import Cursor, Kind, Rank
+from seamark.server.runs.leaderboard.leaderboard import Cursor, Key, Kind, Rank
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Population
 from seamark.sim.metrics.metric import Metric
 
@@ -51,17 +52,18 @@ Entry = TypeVar("Entry", bound=Measured)
 class BoardFilter:
     """Which rows of a leaderboard are shown; empty values show all."""
 
+    per: Per = Per.PERSON
     vehicle: str = ""
     tracker: str = ""  # built in
     language: str = ""  # of uploaded programs
     program: str = ""  # UPLOADED or BUILT_IN
     baselines: str = ""  # HIDE or ONLY
-    user_id: int | None = None  # the row of this user alone
+    user_id: int | None = None  # the rows of this user alone
 
     @property
     def active(self) -> bool:
-        """Whether it leaves anything out."""
-        return self != BoardFilter()
+        """Whether it leaves out any of the rows."""
+        return self != BoardFilter(per=self.per)
 
     def passes(self, row: Filtered) -> bool:
         """Return whether a row is shown."""
@@ -91,28 +93,52 @@ def page(
     *,
     after: Cursor | None = None,
     limit: int = 50,
-    people: Population | None = None,
+    population: Population | None = None,
 ) -> BoardPage:
-    """Return the next rows that pass a filter, best first; their ranks are among all people.
+    """Return the next rows that pass a filter, best first; their ranks are among all rows.
 
-    `people` are those of the leaderboard, if the caller has them.
+    `population` is that of the rows, if the caller has it.
     """
-    if not board_filter.active:
-        ranks = leaderboard.page(session, benchmark, after=after, limit=limit + 1, people=people)
-        more = len(ranks) > limit
-        return BoardPage(ranks[:limit], ranks[limit - 1].cursor if more else None)
-    if board_filter.user_id is not None:
-        own = leaderboard.rank_of(session, benchmark, board_filter.user_id, people)
-        return BoardPage([own] if own and after is None and board_filter.passes(own) else [], None)
-    if board_filter.baselines == ONLY:
-        seen = leaderboard.baseline_keys(session, benchmark, after=after)
+    per, user_id = board_filter.per, board_filter.user_id
+    asked = limit + 1  # one more, to know whether there is a next page
+    if user_id is not None:
+        ranks = leaderboard.ranks_of(
+            *(session, benchmark, user_id),
+            per=per,
+            after=after,
+            limit=asked,
+            population=population,
+        )
+    elif board_filter.active:
+        keys, following = _passing(session, benchmark, board_filter, after=after, limit=limit)
+        rows = leaderboard.rows_of(session, benchmark, keys, per=per, population=population)
+        return BoardPage(rows, following)
     else:
-        seen = leaderboard.keys(session, benchmark, after=after, limit=SEEN_MAX)
-    shown = [key for key in seen if board_filter.passes(key)]
-    following = seen[-1].cursor if len(seen) == SEEN_MAX else None
-    if len(shown) > limit:
-        shown, following = shown[:limit], shown[limit - 1].cursor
-    return BoardPage(leaderboard.rows_of(session, benchmark, shown, people), following)
+        ranks = leaderboard.page(
+            session, benchmark, per=per, after=after, limit=asked, population=population
+        )
+    shown = [rank for rank in ranks[:limit] if board_filter.passes(rank)]
+    return BoardPage(shown, ranks[limit - 1].cursor if len(ranks) > limit else None)
+
+
+def _passing(
+    session: Session,
+    benchmark: str,
+    board_filter: BoardFilter,
+    *,
+    after: Cursor | None,
+    limit: int,
+) -> tuple[list[Key], Cursor | None]:
+    """Return the keys of the next rows that pass, of those looked at, and where to go on."""
+    per = board_filter.per
+    if board_filter.baselines == ONLY:
+        seen = leaderboard.baseline_keys(session, benchmark, per=per, after=after)
+    else:
+        seen = leaderboard.keys(session, benchmark, per=per, after=after, limit=SEEN_MAX)
+    passing = [key for key in seen if board_filter.passes(key)]
+    if len(passing) > limit:
+        return passing[:limit], passing[limit - 1].cursor
+    return passing, seen[-1].cursor if len(seen) == SEEN_MAX else None
 
 
 def choices(kinds: Iterable[Kind]) -> dict[str, list[str]]:
@@ -135,16 +161,17 @@ def by_metric(
     board_filter: BoardFilter,
     *,
     limit: int = 50,
-    people: Population | None = None,
+    population: Population | None = None,
 ) -> list[Rank]:
     """Return the best rows by another metric, of the first `SORTED_MAX` by score.
 
     Rows without the metric are left out; their ranks are those by score.
     """
-    seen = leaderboard.keys(session, benchmark, limit=SORTED_MAX)
+    per = board_filter.per
+    seen = leaderboard.keys(session, benchmark, per=per, limit=SORTED_MAX)
     measured = [key for key in seen if metric.name in key.metrics and board_filter.passes(key)]
     measured.sort(key=lambda key: _cost(metric, key.metrics))
-    return leaderboard.rows_of(session, benchmark, measured[:limit], people)
+    return leaderboard.rows_of(session, benchmark, measured[:limit], per=per, population=population)
 
 
 def undominated(ranks: Sequence[Entry], first: Metric, second: Metric) -> list[Entry]:

@@ -53,7 +53,7 @@ class RankPreview:
         )
 
     def _count(self, here: Cursor) -> int:
-        return leaderboard.people_down_to(self._session, self._benchmark, here)
+        return leaderboard.count_down_to(self._session, self._benchmark, here)
 
     def _count_after(self, here: Cursor) -> int:
         left = _down_to(here, self._before.values())

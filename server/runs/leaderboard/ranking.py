@@ -32,7 +32,7 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class Population:
-    """The scores of all people in a benchmark, one by one or counted in narrow classes.
+    """The scores of all rows of a leaderboard, one by one or counted in narrow classes.
 
     All arrays have the same length. The scores of a class lie between `low` and `high`; its
     standard error is an upper bound. So a class makes ranges wider, never too narrow.
@@ -42,12 +42,12 @@ class Population:
     high: Array
     standard_error: Array  # infinite: unknown
     degrees: Array
-    people: NDArray[np.int64]
+    counts: NDArray[np.int64]
 
     @cached_property
     def size(self) -> int:
-        """The number of people."""
-        return int(np.sum(self.people))
+        """The number of rows."""
+        return int(np.sum(self.counts))
 
     @cached_property
     def _spreads(self) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -66,8 +66,8 @@ class Population:
         errors, degrees, index = self._spreads
         own = row.standard_error, max(row.degrees, 1)
         margin = _margins(own, errors, degrees, self.size - 1)[index]
-        better = int(np.sum(self.people, where=self.low - row.score > margin))
-        worse = int(np.sum(self.people, where=row.score - self.high > margin))
+        better = int(np.sum(self.counts, where=self.low - row.score > margin))
+        worse = int(np.sum(self.counts, where=row.score - self.high > margin))
         return 1 + better, self.size - worse
 
 

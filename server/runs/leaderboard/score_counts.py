@@ -1,7 +1,8 @@
-"""A histogram of the scores on each leaderboard: how many people are in which narrow class.
+"""A histogram of the scores on each leaderboard: how many rows are in which narrow class.
 
 A leaderboard may have a million rows, and the range of ranks of one row depends on all the others.
 There are some thousands of classes at most; they are updated with the rows, in one transaction.
+People and methods are counted apart.
 
 A class of scores is 1/256 of an octave wide: 0.125 between 32 and 64, 0.002 between 0.5 and 1. A
 class of standard errors is half an octave wide. The bounds of classes of scores are exact in binary
@@ -10,6 +11,7 @@ arithmetic, so that Python and SQL put a score into the same class.
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,7 @@ from sqlalchemy import ColumnElement, and_, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.publication_tables import ScoreCount
-from seamark.server.database.tables import Best
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.sim.numerics.arrays import Array
 
@@ -30,6 +32,8 @@ _HIGHEST_CLASS = (HIGHEST_EXPONENT - LOWEST_EXPONENT) * CLASSES_PER_OCTAVE + 1
 _LARGEST_ERROR_CLASS = 100  # standard errors above 2**50 count as unknown
 
 Key = tuple[int, int, int]  # class of the score, class of the standard error, degrees of freedom
+_NUMBERS = {Per.PERSON: ScoreCount.people, Per.METHOD: ScoreCount.methods}
+Counts = Counter[tuple[str, Key, Per]]  # benchmark, class and what is counted -> rows
 
 
 def score_class(score: float) -> int:
@@ -64,27 +68,35 @@ def key_of(row: Estimate) -> Key:
     return score_class(row.score), error_class(row.standard_error), row.degrees
 
 
-def change(session: Session, benchmark: str, key: Key, by: int) -> None:
-    """Count one person more or less in a class. The caller holds the leaderboard's lock."""
-    in_class = _in_class(benchmark, key)
-    changed = update(ScoreCount).where(in_class).values(people=ScoreCount.people + by)
-    if session.scalar(changed.returning(ScoreCount.people)) is None:
-        session.execute(insert(ScoreCount).values(_row(benchmark, key, by)))
-    session.execute(delete(ScoreCount).where(in_class, ScoreCount.people == 0))
+def change(session: Session, counts: Counts) -> None:
+    """Count some rows more, or less, in their classes. The caller holds the leaderboard's lock."""
+    for (benchmark, key, per), by in counts.items():
+        if by == 0:
+            continue
+        in_class = _in_class(benchmark, key)
+        changed = update(ScoreCount).where(in_class).values({_NUMBERS[per]: _NUMBERS[per] + by})
+        if session.scalar(changed.returning(_NUMBERS[per])) is None:
+            session.execute(insert(ScoreCount).values(_row(benchmark, key, {per: by})))
+        empty = (ScoreCount.people == 0, ScoreCount.methods == 0)
+        session.execute(delete(ScoreCount).where(in_class, *empty))
 
 
-def replace_all(session: Session, counts: Counter[tuple[str, Key]]) -> None:
+def replace_all(session: Session, counts: Counts) -> None:
     """Store the counts of all benchmarks."""
     session.execute(delete(ScoreCount))
-    rows = [_row(benchmark, key, people) for (benchmark, key), people in counts.items()]
+    classes = {(benchmark, key) for benchmark, key, _ in counts}
+    rows = [
+        _row(benchmark, key, {per: counts[benchmark, key, per] for per in Per})
+        for benchmark, key in classes
+    ]
     if rows:
         session.execute(insert(ScoreCount), rows)
 
 
-def size(session: Session, benchmark: str) -> int:
-    """Return the number of people on a leaderboard."""
-    people = select(func.sum(ScoreCount.people)).where(ScoreCount.benchmark == benchmark)
-    return int(session.scalar(people) or 0)
+def size(session: Session, benchmark: str, per: Per = Per.PERSON) -> int:
+    """Return the number of people or methods on a leaderboard."""
+    count = select(func.sum(_NUMBERS[per])).where(ScoreCount.benchmark == benchmark)
+    return int(session.scalar(count) or 0)
 
 
 def sizes(session: Session) -> dict[str, int]:
@@ -96,64 +108,77 @@ def sizes(session: Session) -> dict[str, int]:
 
 
 def at_or_above(
-    session: Session, benchmark: str, score: float, *, not_below: ColumnElement[bool]
+    session: Session,
+    benchmark: str,
+    score: float,
+    *,
+    not_below: ColumnElement[bool],
+    per: Per = Per.PERSON,
 ) -> int:
-    """Return the number of people at or above a row of the leaderboard.
+    """Return the number of people or methods at or above a row of the leaderboard.
 
     Parameters
     ----------
     score
         Of that row.
     not_below
-        Condition on rows of `best`: at or above that row. It decides within the row's own class.
+        Condition on rows of `per.table`: at or above that row. It decides within the row's own
+        class.
     """
+    table = per.table
     own_class = score_class(score)
     low, high = lower_ends(np.array([own_class, own_class + 1])).tolist()
-    higher = select(func.sum(ScoreCount.people)).where(
+    higher = select(func.sum(_NUMBERS[per])).where(
         ScoreCount.benchmark == benchmark, ScoreCount.score_class > own_class
     )
     same = select(func.count()).where(
-        Best.benchmark == benchmark, Best.score >= low, Best.score < high, ~Best.is_baseline
+        table.benchmark == benchmark, table.score >= low, table.score < high, ~table.is_baseline
     )
     both = select(higher.scalar_subquery(), same.where(not_below).scalar_subquery())
-    people_higher, people_same = session.execute(both).one()
-    return int(people_higher or 0) + int(people_same)
+    rows_higher, rows_same = session.execute(both).one()
+    return int(rows_higher or 0) + int(rows_same)
 
 
-def population(session: Session, benchmark: str, *, single_rows: int = SINGLE_ROWS) -> Population:
-    """Return the scores of all people: each row, or each class if there are more than that."""
-    if size(session, benchmark) <= single_rows:
-        return _of_rows(session, benchmark)
+def population(
+    session: Session, benchmark: str, per: Per = Per.PERSON, *, single_rows: int = SINGLE_ROWS
+) -> Population:
+    """Return the scores of all rows: each one, or each class if there are more than that."""
+    if size(session, benchmark, per) <= single_rows:
+        return _of_rows(session, benchmark, per)
     columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
-    query = select(*columns, ScoreCount.people).where(ScoreCount.benchmark == benchmark)
+    query = select(*columns, _NUMBERS[per]).where(
+        ScoreCount.benchmark == benchmark, _NUMBERS[per] > 0
+    )
     rows = np.array([tuple(row) for row in session.execute(query)], dtype=np.int64)
-    score_classes, error_classes, degrees, people = rows.T
+    score_classes, error_classes, degrees, counts = rows.T
     largest_errors = np.exp2(error_classes / ERRORS_PER_OCTAVE)
     return Population(
         low=lower_ends(score_classes),
         high=lower_ends(score_classes + 1),
         standard_error=np.where(error_classes == UNKNOWN_ERROR, math.inf, largest_errors),
         degrees=degrees.astype(float),
-        people=people,
+        counts=counts,
     )
 
 
-def _of_rows(session: Session, benchmark: str) -> Population:
-    query = select(Best.score, Best.standard_error, Best.degrees)
-    rows = session.execute(query.where(Best.benchmark == benchmark, ~Best.is_baseline)).all()
+def _of_rows(session: Session, benchmark: str, per: Per) -> Population:
+    table = per.table
+    query = select(table.score, table.standard_error, table.degrees)
+    rows = session.execute(query.where(table.benchmark == benchmark, ~table.is_baseline)).all()
     score, error, degrees = np.array([tuple(row) for row in rows], dtype=float).reshape(-1, 3).T
     return Population(
         low=score,
         high=score,
         standard_error=np.where(np.isnan(error), math.inf, error),  # None became nan
         degrees=degrees,
-        people=np.ones(len(rows), dtype=np.int64),
+        counts=np.ones(len(rows), dtype=np.int64),
     )
 
 
-def _row(benchmark: str, key: Key, people: int) -> dict[str, str | int]:
+def _row(benchmark: str, key: Key, counts: Mapping[Per, int]) -> dict[str, str | int]:
     columns = ("score_class", "error_class", "degrees")
-    return {"benchmark": benchmark, **dict(zip(columns, key, strict=True)), "people": people}
+    numbers = {_NUMBERS[per].key: counts.get(per, 0) for per in Per}
+    return {"benchmark": benchmark, **dict(zip(columns, key, strict=True)), **numbers}
 
 
 def _in_class(benchmark: str, key: Key) -> ColumnElement[bool]:

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from seamark.programs.licences import LICENCES, NO_PROGRAM
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Publication
-from seamark.server.database.tables import Best, Run, User
+from seamark.server.database.tables import BestMethod, Run, User
 from seamark.server.database.upsert import upsert
 from seamark.server.runs.leaderboard import best_runs
 from seamark.server.runs.record import method_names
@@ -89,8 +89,9 @@ def withdraw(session: Session, run_id: int) -> bool:
 
 def withdraw_all(session: Session, which: ColumnElement[bool]) -> int:
     """Make all public runs of a condition private, and return their number."""
-    ranked = select(Best.benchmark, Best.user_id).join(Run, Run.id == Best.run_id)
-    boards = session.execute(ranked.where(which, Run.public)).all()
+    rows = select(BestMethod.benchmark, BestMethod.user_id)  # a user's best run has one as well
+    ranked = rows.join(Run, Run.id == BestMethod.run_id).where(which, Run.public)
+    boards = session.execute(ranked.distinct()).all()
     public = select(Run.id).where(which, Run.public)
     tombs = update(Publication).where(Publication.run_id.in_(public))
     apart = {"synchronize_session": False}

@@ -27,7 +27,7 @@ from seamark.programs.failure_reasons import FailureReason
 from seamark.server.accounts.permissions import VERIFICATIONS
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Verification
-from seamark.server.database.tables import Best, Result, Run
+from seamark.server.database.tables import BestMethod, Result, Run
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.recomputation import rejudged
@@ -174,10 +174,11 @@ def agree(published: Estimate, again: Estimate) -> bool:
 
 def _views(session: Session, run_ids: Collection[int]) -> dict[int, list[VerificationView]]:
     query = (
-        select(Verification, Run.benchmark, Result.score, Best.standard_error, Best.degrees)
+        select(Verification, Run.benchmark, Result.score)
+        .add_columns(BestMethod.standard_error, BestMethod.degrees)
         .join(Run, Run.id == Verification.run_id)
         .join(Result, Result.run_id == Verification.run_id)
-        .outerjoin(Best, Best.run_id == Verification.run_id)
+        .outerjoin(BestMethod, BestMethod.run_id == Verification.run_id)
         .where(Verification.run_id.in_(run_ids), Verification.ended_at.is_not(None))
         .order_by(Verification.again_id.desc())
     )

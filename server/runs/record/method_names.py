@@ -20,6 +20,11 @@ def clean(text: str) -> str:
     return " ".join(visible_text(re.sub(r"\s+", " ", text)).split())
 
 
+def key(name: str) -> str:
+    """Return what two names have in common if they are those of one method."""
+    return clean(name).casefold()
+
+
 def suggested(run: HasTeam, *, title: str = "") -> str:
     """Return the name that a run may have without being asked for; empty with a user's program."""
     own = run.program_name or run.parts

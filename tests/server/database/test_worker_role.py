@@ -123,7 +123,7 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
     with worker.database.writing() as session:
         recovery = lost_attempts.recover(session, leases, worker.settings)
         lost_attempts.tidy(session)
-        best_runs.complete_metrics(session)
+        best_runs.complete(session)
     Sweep(worker.database, worker.settings).step()
     retention.delete(worker.database, worker.settings, [succeeded.run_id])
     disk_usage.measure_if_old(worker.database, worker.settings)

@@ -222,7 +222,7 @@ def test_a_score_that_is_nan_cannot_be_stored(backend: Backend) -> None:
         )
 
 
-def _submissions(both: Backend) -> dict[str, int]:
+def _submissions(both: Backend) -> dict[str, int | None]:
     with both.database.reading() as session:
         return {rank.user: rank.submissions for rank in leaderboard.page(session, NAME)}
 

@@ -180,7 +180,7 @@ def test_metrics_of_rows_of_an_earlier_version_are_completed(both: Backend) -> N
         session.execute(update(Best).values(metrics=None))
 
     with both.database.writing() as session:
-        assert best_runs.complete_metrics(session) == 1
+        assert best_runs.complete(session) == 1
     with both.database.writing() as session:
-        assert best_runs.complete_metrics(session) == 0
+        assert best_runs.complete(session) == 0
         assert session.scalar(select(Best.metrics)) == kept == {RMSE.name: 1.0, ENERGY.name: 4.0}

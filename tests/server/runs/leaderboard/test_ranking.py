@@ -12,7 +12,7 @@ Row = tuple[float, float, int]  # score, standard error, degrees of freedom
 def _population(rows: list[Row]) -> Population:
     score, error, degrees = np.array(rows, dtype=float).T
     people = np.ones(len(rows), dtype=np.int64)
-    return Population(low=score, high=score, standard_error=error, degrees=degrees, people=people)
+    return Population(low=score, high=score, standard_error=error, degrees=degrees, counts=people)
 
 
 def _ranges(rows: list[Row]) -> list[tuple[int, int]]:
