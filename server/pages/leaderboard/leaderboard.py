@@ -34,6 +34,7 @@ from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Population
 from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
 from seamark.server.runs.recomputation import verifications
+from seamark.server.runs.record.solutions import entry_name
 from seamark.server.web import known_benchmarks
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -66,6 +67,7 @@ def show(name: str) -> ResponseReturnValue:
         pending = reference_entries.are_pending(session, benchmark, marks)
         leaders = leader_replay.leaders(session, board.ranks) if begin and not metric else ()
         own = _own(session, name, chosen.per, population)
+        several_methods = "per" in request.args or _several_methods(session, name, population)
         verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
         offered = _choices(session, name, chosen.per, board, labels)
     leader = leader_replay.first_replayable(leaders)
@@ -81,7 +83,8 @@ def show(name: str) -> ResponseReturnValue:
         count=population.size,
         marks=marks,
         pending=pending,
-        chosen=chosen,
+        per_method=chosen.per is Per.METHOD,
+        several_methods=several_methods,
         labels=labels,
         filters=_filters(labels, offered),
         sortable=bool(benchmark.board_metrics) and population.size > 1,
@@ -91,7 +94,7 @@ def show(name: str) -> ResponseReturnValue:
         sorted_max=SORTED_MAX,
         axis=plots.score_axis(board.ranks, marks, whole="whole" in request.args),
         whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
-        pareto=_pareto(benchmark, board.ranks, marks),
+        pareto=_pareto(benchmark, chosen.per, board.ranks, marks),
         leader=leader,
         replay=leader and player_data(leader, leader_replay.files(leader)),
         preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
@@ -148,14 +151,23 @@ def _own(session: Session, name: str, per: Per, population: Population) -> dict[
     return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
 
 
+def _several_methods(session: Session, name: str, people: Population) -> bool:
+    """Return whether somebody has more than one method."""
+    return score_counts.size(session, name, Per.METHOD) > people.size
+
+
 def _pareto(
-    benchmark: Benchmark, ranks: list[Rank], marks: list[ReferenceEntry]
+    benchmark: Benchmark, per: Per, ranks: list[Rank], marks: list[ReferenceEntry]
 ) -> plots.ParetoPlot | None:
     """Return the plot of the rows of this page and of all reference entries."""
     if benchmark.pareto is None:
         return None
-    people = [(rank.user, rank) for rank in ranks if not rank.is_baseline]
-    entries: list[tuple[str, plots.Plotted]] = [*people, *((mark.title, mark) for mark in marks)]
+    named = [
+        (entry_name(rank) if per is Per.METHOD else rank.user, rank)
+        for rank in ranks
+        if not rank.is_baseline
+    ]
+    entries: list[tuple[str, plots.Plotted]] = [*named, *((mark.title, mark) for mark in marks)]
     front = leaderboard_filters.undominated([entry for _, entry in entries], *benchmark.pareto)
     return plots.pareto_plot(entries, front, benchmark.pareto)
 

@@ -75,6 +75,8 @@ def test_no_address_that_strangers_can_read_tells_who_published_for_review(site:
     "path",
     [
         "/api/v1/leaderboards/currents-v1?format=csv",
+        "/api/v1/leaderboards/currents-v1?per=method",
+        "/leaderboards/currents-v1?per=method",
         "/api/v1/leaderboards/currents-v1?limit=1",
         "/api/v1/runs?which=public",
         "/api/v1/runs?which=public&q=zebedee",

@@ -2,6 +2,7 @@
 
 import re
 from html import unescape
+from urllib.parse import quote
 
 import pytest
 from sqlalchemy import update
@@ -174,6 +175,61 @@ def test_filters_appear_only_when_there_is_something_to_filter(site: Site) -> No
     assert alone == []
     assert offered() == ["program", "baselines", "sort"]
     assert offered("?language=c") == ["program", "language", "baselines", "sort"]
+
+
+def _two_methods(site: Site) -> None:
+    for who, title in (("ann", "Observer"), ("ann", "Sliding mode"), ("ben", "Observer")):
+        site.published(who, kind="ranked", title=title)
+
+
+def test_a_page_with_one_row_per_method_names_each_of_them_and_ranks_it_among_methods(
+    site: Site,
+) -> None:
+    _two_methods(site)
+    browser = site.browser("ann")
+
+    people, methods = (browser.get(f"{PAGE}{query}").text for query in ("", "?per=method"))
+
+    assert (_users(people), _users(methods)) == (["ann", "ben"], ["ann", "ann", "ben"])
+    assert re.findall(r"<bdi>(Observer|Sliding mode)</bdi></a>", methods) == [
+        *("Observer", "Sliding mode", "Observer")
+    ]
+    assert "ranked <strong>1st of 2</strong>" in re.sub(r"\s+", " ", people)
+    assert "ranked <strong>1st of 3 methods</strong>" in re.sub(r"\s+", " ", methods)
+    assert '<option value="method" selected>' in methods
+    assert "Each user appears once" in people
+    assert "Each method of a user appears once" in methods
+    assert f'{API}?format=csv&amp;per=method"' in methods
+
+
+def test_rows_per_method_are_offered_once_somebody_has_two(site: Site) -> None:
+    site.published("ann", kind="ranked", title="Observer")
+    offered = [site.browser().get(f"{PAGE}{query}").text for query in ("", "?per=person")]
+    site.published("ann", kind="ranked", title="Sliding mode")
+
+    offered.append(site.browser().get(PAGE).text)
+
+    assert ['name="per"' in page for page in offered] == [False, True, True]
+
+
+def test_the_api_and_its_csv_have_a_row_per_method(site: Site) -> None:
+    _two_methods(site)
+    browser = site.browser("ann")
+
+    first = browser.get(f"{API}?per=method&limit=2").get_json()
+    rest = browser.get(f"{API}?per=method&limit=2&after={quote(first['next'])}").get_json()
+    mine = browser.get(f"{API}?per=method&mine=1").get_json()
+    csv = browser.get(f"{API}?per=method&format=csv").text
+    people = browser.get(f"{API}?per=person").get_json()
+
+    rows = [(row["rank"], row["user"], row["method"]) for row in first["ranks"] + rest["ranks"]]
+    assert rows == [(1, "ann", "Observer"), (2, "ann", "Sliding mode"), (3, "ben", "Observer")]
+    assert rest["next"] is None
+    assert [row["rank"] for row in mine["ranks"]] == [1, 2]
+    assert len(csv.splitlines()) == 1 + 3
+    assert people == browser.get(API).get_json()
+    assert len(people["ranks"]) == 2
+    assert browser.get(f"{API}?per=team").status_code == 422
 
 
 def test_trackers_vehicles_and_built_in_solutions_are_called_by_their_names(site: Site) -> None:

@@ -2,11 +2,13 @@
 
 import pytest
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from seamark.server.accounts import accounts
-from seamark.server.database.tables import Best, Run, User
+from seamark.server.database.tables import Best, BestMethod, Run, User
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.leaderboard import best_runs, leaderboard, score_counts
+from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing import views
 from tests.cast import Backend
@@ -43,6 +45,7 @@ def test_otherwise_nothing_of_the_account_is_left(both: Backend) -> None:
     with both.database.reading() as session:
         assert session.scalars(select(Run.id).where(Run.id.in_(runs))).all() == []
         assert session.scalars(select(Best)).all() == []
+        assert session.scalars(select(BestMethod)).all() == []
         assert session.get(User, both.user_id("ann")) is None
 
 
@@ -58,6 +61,10 @@ def test_the_number_of_a_deleted_run_is_not_given_to_another_one(backend: Backen
         assert views.show(session, newest) is None
 
 
+def _counted(session: Session) -> dict[Per, int]:
+    return {per: score_counts.size(session, "currents-v1", per) for per in Per}
+
+
 @pytest.mark.parametrize(("keep", "expected"), [(True, [(50.0, 3)]), (False, [])])
 def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_runs(
     backend: Backend, keep: bool, expected: list[tuple[float, int]]
@@ -71,10 +78,10 @@ def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_run
 
     with backend.database.writing() as session:
         kept = [(rank.score, rank.submissions) for rank in leaderboard.page(session, "currents-v1")]
-        assert score_counts.size(session, "currents-v1") == len(expected)
+        assert _counted(session) == {per: len(expected) for per in Per}
         best_runs.rebuild(session)
         again = leaderboard.page(session, "currents-v1")
-        assert score_counts.size(session, "currents-v1") == len(expected)
+        assert _counted(session) == {per: len(expected) for per in Per}
     assert kept == expected
     assert [(rank.score, rank.submissions) for rank in again] == expected
 
