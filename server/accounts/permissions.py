@@ -19,7 +19,7 @@ class Role(IntEnum):
     GUEST = 1  # known by a cookie
     USER = 2
     TEACHER = 3  # invites people to sign up, has classes and reads what students submit for them
-    ORGANISER = 4  # takes published runs off the leaderboards
+    ORGANISER = 4  # holds competitions, takes published runs off the leaderboards
     ADMIN = 5
 
     @property
@@ -47,6 +47,8 @@ class Action(StrEnum):
     JOIN_CLASSES = "join_classes"
     TEACH = "teach"
     INVITE = "invite"
+    COMPETE = "compete"  # found teams, join and leave them, enter competitions
+    ORGANISE = "organise"  # competitions
     MODERATE = "moderate"  # withdraw the published runs of others
     ADMINISTER = "administer"
 
@@ -85,6 +87,8 @@ RULES: Mapping[Action, Rule] = {
     Action.JOIN_CLASSES: Rule(SUBMIT, Role.USER),
     Action.TEACH: Rule(ADMIN, Role.TEACHER),
     Action.INVITE: Rule(ADMIN, Role.TEACHER),
+    Action.COMPETE: Rule(SUBMIT, Role.USER),
+    Action.ORGANISE: Rule(ADMIN, Role.ORGANISER),
     Action.MODERATE: Rule(ADMIN, Role.ORGANISER),
     Action.ADMINISTER: Rule(ADMIN, Role.ADMIN),
     Action.EDIT_PROFILE: Rule(SUBMIT, Role.USER),
@@ -138,6 +142,14 @@ class Viewer:
         return Role.ANONYMOUS if self.guest is None else Role.GUEST
 
 
+class Entered(Protocol):
+    """What `can` needs to know about the entry of a competition."""
+
+    @property
+    def members(self) -> frozenset[int]: ...  # noqa: D102 - of the team
+    def seen_by(self, user_id: int | None, *, program: bool) -> bool: ...  # noqa: D102
+
+
 class Owned(Protocol):
     """What `can` needs to know about a run; RunView provides it."""
 
@@ -151,6 +163,8 @@ class Owned(Protocol):
     def program_public(self) -> bool: ...  # noqa: D102 - False: only the results are published
     @property
     def teacher_id(self) -> int | None: ...  # noqa: D102 - of the class it was submitted for
+    @property
+    def entry(self) -> Entered | None: ...  # noqa: D102 - of a competition
 
 
 def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
@@ -183,11 +197,26 @@ def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
         return True
     if action is Action.RERUN:
         return run.public and run.program_public
+    if run.entry is not None:
+        return _may_on_entry(viewer, action, run.entry)
     if action is Action.WITHDRAW and run.public and can(viewer, Action.MODERATE):
         return True
     if action in _READS and run.teacher_id is not None and teaches(viewer, run.teacher_id):
         return True
     return can(viewer, Action.ADMINISTER)
+
+
+def _may_on_entry(viewer: Viewer, action: Action, entry: Entered) -> bool:
+    """Decide for a run that counts in a competition: it belongs to a team.
+
+    Even an admin neither deletes nor publishes one, which would change a result.
+    """
+    seen = entry.seen_by(viewer.user_id, program=action is not Action.VIEW)
+    if action is Action.CANCEL:
+        seen = seen and viewer.user_id in entry.members
+    elif action not in _READS:
+        return False
+    return seen or can(viewer, Action.ADMINISTER)
 
 
 def teaches(viewer: Viewer, teacher_id: int) -> bool:

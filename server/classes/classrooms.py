@@ -1,6 +1,5 @@
 """Classes: a teacher makes one and hands out its code or link; students join and leave."""
 
-import secrets
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from sqlalchemy import ColumnElement, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.printable_text import visible_text
+from seamark.server.accounts import join_codes
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.class_tables import AssignedRun, Assignment, Classroom, Membership
 from seamark.server.database.tables import User
@@ -18,12 +18,7 @@ CLASSES_MAX = 200  # of one teacher
 PUPILS_MAX = 2000  # of one class
 JOINED_MAX = 50  # classes that one student may belong to
 PAGE = 50  # students on a page
-# Digits and capitals that nobody confuses, as in Crockford's base 32: 10 of them are 50 bits. At
-# the rate of guesses that the server allows, hitting one of 1000 codes takes millions of years.
-_ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
-_CODE_LENGTH = 10
 UNKNOWN_CODE = "No class has this code or link any more. Ask your teacher for the current one."
-_MISREAD = str.maketrans("OIL", "011", "- ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +52,11 @@ def create(session: Session, teacher_id: int, name: str) -> int:
     if (session.scalar(own) or 0) >= CLASSES_MAX:
         raise ClassRefused(f"You have {CLASSES_MAX} classes. Delete one you no longer need.")
     made = Classroom(
-        teacher_id=teacher_id, name=name, code=_new_code(), created_at=time.time(), archived_at=None
+        teacher_id=teacher_id,
+        name=name,
+        code=join_codes.new(),
+        created_at=time.time(),
+        archived_at=None,
     )
     session.add(made)
     session.flush()
@@ -82,7 +81,7 @@ def joined_by(session: Session, user_id: int) -> list[ClassView]:
 
 def opened_by(session: Session, code: str) -> ClassView | None:
     """Return the class that people can join with this code, or a link that ends with it."""
-    is_open = (Classroom.code == _read_code(code)) & Classroom.archived_at.is_(None)
+    is_open = (Classroom.code == join_codes.read(code)) & Classroom.archived_at.is_(None)
     return next(iter(_views(session, is_open)), None)
 
 
@@ -145,7 +144,7 @@ def change(
     if archived is not None:
         values["archived_at"] = time.time() if archived else None
     if new_code:
-        values["code"] = _new_code()
+        values["code"] = join_codes.new()
     if values:
         session.execute(update(Classroom).where(Classroom.id == class_id).values(**values))
 
@@ -182,12 +181,6 @@ def teacher_of(session: Session, run_id: int) -> int | None:
     return session.scalar(query)
 
 
-def shown_code(code: str) -> str:
-    """Return a code as people read it out: in two halves."""
-    half = _CODE_LENGTH // 2
-    return f"{code[:half]}-{code[half:]}"
-
-
 def _views(session: Session, condition: ColumnElement[bool]) -> list[ClassView]:
     query = (
         select(Classroom, User.name, _pupils_of(Classroom.id).scalar_subquery())
@@ -201,7 +194,7 @@ def _views(session: Session, condition: ColumnElement[bool]) -> list[ClassView]:
         ClassView(
             **{name: getattr(room, name) for name in same},
             teacher=teacher,
-            code=shown_code(room.code),
+            code=join_codes.shown(room.code),
             pupils=count,
         )
         for room, teacher, count in session.execute(query)
@@ -217,11 +210,3 @@ def _valid_name(name: str) -> str:
     if not 1 <= len(name) <= NAME_MAX:
         raise ClassRefused(f"A class has a name of 1 to {NAME_MAX} characters.")
     return name
-
-
-def _read_code(text: str) -> str:
-    return text.rpartition("/")[2].upper().translate(_MISREAD)
-
-
-def _new_code() -> str:
-    return "".join(secrets.choice(_ALPHABET) for _ in range(_CODE_LENGTH))

@@ -18,6 +18,7 @@ class AdvisoryLock(IntEnum):
     GUEST_TURN = 0x5EA_0007  # starting a run of a guest before those of accounts
     BASELINE_TURN = 0x5EA_0008  # starting a baseline
     TOTALS = 0x5EA_0009  # counting the runs that have ended
+    COMPETITIONS = 0x5EA_000A  # deciding rounds and adding batches to finals
 
 
 _ACQUIRE = text("SELECT pg_advisory_xact_lock(:key)")

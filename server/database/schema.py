@@ -17,6 +17,7 @@ from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.class_tables import Classroom
+from seamark.server.database.competition_tables import Competition
 from seamark.server.database.connecting import connected
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress
@@ -36,7 +37,7 @@ _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
 _TABLES = (
     *(Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry, DiskUsage),
-    *(Rejudgement, MailAddress, Publication),
+    *(Rejudgement, MailAddress, Publication, Competition),
 )
 
 

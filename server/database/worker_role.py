@@ -11,8 +11,9 @@ from sqlalchemy import Connection, inspect, text
 READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
     *("rejudgements", "run_parts", "seen_submissions"),
+    *("competitions", "competition_rounds"),
 )
-CHANGED = ("runs", "assigned_runs", "rejudged_runs", "verifications")
+CHANGED = ("runs", "assigned_runs", "entries", "rejudged_runs", "verifications")
 OWN = (
     *("best", "checks", "counters", "disk_usage", "paces", "rank_points", "results"),
     *("best_methods", "publications", "score_counts", "turns", "workers"),

@@ -19,6 +19,7 @@ from sqlalchemy.orm import Session
 
 from seamark.programs.check_report import platform_failure
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.competition_tables import Competition
 from seamark.server.database.tables import Check, Run, RunPart
 from seamark.server.messaging import workers
 from seamark.server.programs.store import StoredProgram
@@ -224,7 +225,7 @@ def recover(session: Session, abandoned: Mapping[int, float]) -> None:
 
 
 def refers_to(session: Session, sha256: str) -> bool:
-    """Return whether a check, or a run that has its data, uses the upload with this key."""
+    """Return whether a check, a competition or a run that has its data uses this upload."""
     has_data = Run.data_deleted_at.is_(None)
     users = (
         select(Run.id).where(Run.program_sha256 == sha256, has_data),
@@ -232,6 +233,7 @@ def refers_to(session: Session, sha256: str) -> bool:
         select(RunPart.run_id).join(Run).where(RunPart.program_sha256 == sha256, has_data),
         select(Check.id).where(Check.program_sha256 == sha256),
         select(Check.id).where(Check.vehicle_sha256 == sha256),
+        select(Competition.id).where(Competition.vehicle_sha256 == sha256),
     )
     return any(session.scalar(query.limit(1)) is not None for query in users)
 

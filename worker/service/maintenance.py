@@ -18,6 +18,7 @@ from redis import Redis
 
 from seamark.server.accounts import audit
 from seamark.server.database.engine import DATABASE_AWAY, Database
+from seamark.server.judging import finals
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.monitoring import log, meters
@@ -46,13 +47,17 @@ VERIFY_EVERY_S = 60.0
 PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
 MEASURE_EVERY_S = 30.0
 # More than the role of a worker may do (seamark.server.database.worker_role).
-NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass", "verify_first")
+NEEDS_ALL_RIGHTS = (
+    *("advance_competitions", "delete_accounts", "forget_audit", "retention_pass"),
+    "verify_first",
+)
 # In a thread of their own: what waits for a storage that hangs holds up no recovery.
 RECOVERS = ("recover_runs", "recover_checks")
 RECOVERY = "recovery"
 BROKER_S = 2.0  # that a recovery waits for a broker that hangs, with each command
 JOIN_S = 2.0
-NEEDS_SEED_KEY = ("fill_seeds", "verify_first")  # which workers of other machines do without
+# Which workers of other machines do without.
+NEEDS_SEED_KEY = ("advance_competitions", "fill_seeds", "verify_first")
 _log = structlog.get_logger()
 
 
@@ -180,6 +185,18 @@ def fill_seeds(database: Database, settings: Settings) -> None:
         _log.info("seeds_filled", runs=count)
 
 
+def advance_competitions(app: Celery, database: Database, settings: Settings) -> None:
+    """Decide the rounds that have ended, and add batches to finals."""
+    if storage.is_away(settings):
+        return
+    with database.reading() as session:
+        due = finals.undecided(session)
+    for competition_id in due:
+        with database.writing() as session:
+            queued = finals.advance(session, competition_id, settings)
+        broker.send_tickets(app, queued)
+
+
 def forget_audit(database: Database, settings: Settings) -> None:
     """Delete a batch of old entries of the audit log."""
     with database.writing() as session:
@@ -295,6 +312,11 @@ def main(parent: str) -> None:
         ),
         PeriodicTask("fill_seeds", recovery_s, lambda: fill_seeds(database, settings)),
         PeriodicTask("verify_first", VERIFY_EVERY_S, lambda: verify_first(app, database, settings)),
+        PeriodicTask(
+            "advance_competitions",
+            recovery_s,
+            lambda: advance_competitions(app, database, settings),
+        ),
         PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),

@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database import counters
+from seamark.server.database.competition_tables import Competition, Entry, Round
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Counter
 from seamark.server.database.tables import IS_LISTED, Result, Run, RunPart
@@ -40,7 +41,18 @@ _SWEPT = "objects_swept_at"  # counter: when a worker last swept the object stor
 WHY_NOT = "The data of live and of public runs cannot be deleted, nor can they be deleted twice."
 _DAY_S = 86_400.0
 _log = structlog.get_logger()
-_DELETABLE = and_(Run.state.in_(FINAL), Run.public.is_(False), Run.data_deleted_at.is_(None))
+# A final evaluates the programs that were submitted before.
+_IN_COMPETITION = (
+    select(Entry.run_id)
+    .join(Round, Round.id == Entry.round_id)
+    .join(Competition, Competition.id == Round.competition_id)
+    .where(Entry.run_id == Run.id, Competition.ended_at.is_(None))
+    .exists()
+)
+_DELETABLE = and_(
+    *(Run.state.in_(FINAL), Run.public.is_(False), Run.data_deleted_at.is_(None)),
+    or_(Run.kind != RunKind.ENTRY, ~_IN_COMPETITION),
+)
 
 
 def delete(database: Database, settings: Settings, run_ids: Collection[int]) -> list[int]:
@@ -275,9 +287,10 @@ def rules(settings: Settings) -> dict[str, ColumnElement[bool]]:
     The best ranked run of each user in each benchmark is kept all the same.
     """
     now, deletable = time.time(), and_(_DELETABLE, IS_LISTED)
+    by_account = or_(Run.user_id.is_not(None), Run.kind == RunKind.ENTRY)  # of a team
     days = {
-        "accounts": (Run.user_id.is_not(None), settings.retention_days),
-        "guests": (Run.user_id.is_(None), settings.guest_retention_days),
+        "accounts": (by_account, settings.retention_days),
+        "guests": (~by_account, settings.guest_retention_days),
     }
     return {
         name: and_(deletable, owners, Run.finished_at < now - number * _DAY_S)

@@ -25,12 +25,8 @@ from seamark.server.settings import Settings
 
 PAGE = 50  # runs that are read from the database at a time
 CHUNK_BYTES = 256 * 1024
-_NOT_OWN = {
-    "guest",
-    "teacher_id",
-    "data_run",
-    "hidden_names",
-}  # fields of a view that are not data of the run
+# Fields of a view that are not data of the run.
+_NOT_OWN = {"guest", "teacher_id", "entry", "data_run", "hidden_names"}
 
 
 def archive(

@@ -1,7 +1,8 @@
 """Deleting an account: at once what identifies a person, then its private runs in batches.
 
 1. `close` removes name, password, tokens, browsers, classes and memberships, cancels what is live
-   and, if asked, withdraws what is published. It takes a bounded time, however many runs there are.
+   and, if asked, withdraws what is published. Teams keep their entries, and competitions go on. It
+   takes a bounded time, however many runs there are.
 2. `step` deletes private runs as their owner would (deletion.py), a batch at a time.
 3. When none is left, the account and the empty rows go too, unless it still has published runs:
    they stay with the name `Deleted user <number>`.
@@ -15,6 +16,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.accounts.profiles import Profile
+from seamark.server.competitions import teams
 from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import Classroom, Membership
 from seamark.server.database.engine import Database
@@ -48,6 +50,7 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
     for table in (*secrets, LinkedIdentity, MailAddress, RunNotice, Check, Membership):
         session.execute(delete(table).where(table.user_id == user_id))
+    teams.leave_all(session, user_id)
     session.execute(delete(Classroom).where(Classroom.teacher_id == user_id))
     unsent = (OutgoingMail.user_id == user_id, OutgoingMail.ended_at.is_(None))
     session.execute(update(OutgoingMail).where(*unsent).values(ended_at=time.time()))

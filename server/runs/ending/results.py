@@ -19,7 +19,7 @@ from seamark.server.runs.publication.publications import Terms
 from seamark.server.runs.queue import paces
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.recomputation import rejudged, verifications
-from seamark.server.runs.record import method_names
+from seamark.server.runs.record import entries, method_names
 from seamark.server.runs.record.solutions import ROSBRIDGE
 from seamark.server.runs.record.states import LIVE, RunKind, RunState, move
 from seamark.server.runs.record.trial_scores import trial_scores
@@ -92,6 +92,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     )
     session.flush()
     assignments.score(session, claim.run_id, score)
+    entries.record(session, claim.run_id, report.metrics)
     if report.state is RunState.SUCCEEDED and claim.controller != ROSBRIDGE:
         _record_pace(session, claim.run_id)
     best_runs.recount(session, claim.run_id)

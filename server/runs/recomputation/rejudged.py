@@ -17,8 +17,8 @@ from seamark.programs.failure_reasons import UNCHARGED
 from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.classes import assignments
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
-from seamark.server.database.tables import Result, Run, RunPart, User
-from seamark.server.runs.record import seeds, totals
+from seamark.server.database.tables import Result, Run, User
+from seamark.server.runs.record import copies, seeds, totals
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 
@@ -29,12 +29,6 @@ _RESULT = (
     *("reference_scores", "error_curve", "metrics", "manifest", "created_at"),
 )
 _RUN = ("state", "cause", "detail", "progress", "t_simulated", "isolation")
-# Never changed after the submission, and all that an evaluation depends on.
-_SPECIFICATION = (
-    *("benchmark", "kind", "config", "seed", "trials", "controller", "program_sha256"),
-    *("program_name", "language", "program_parameters", "vehicle_sha256"),
-)
-_PART = ("role", "program_sha256", "program_name", "language", "program_parameters")
 
 
 class Outcome(StrEnum):
@@ -59,26 +53,10 @@ def enqueue(
     draw
         Of other fresh trials; None: those of the original.
     """
-    run = Run(
-        owner=owner,
-        rejudges=original.id,
-        draw=draw,
-        expected_s=_expected_s(original),
-        state=RunState.QUEUED,
-        queued_at=time.time(),
-        data_bytes=original.data_bytes,
-        parts=[RunPart(**{name: getattr(part, name) for name in _PART}) for part in original.parts],
-        **{name: getattr(original, name) for name in _SPECIFICATION},
-    )
+    run = copies.copy_of(original, owner, rejudges=original.id, draw=draw)
     run.trial_seeds = seeds.derived(run, settings)
     session.add(run)
     return run
-
-
-def _expected_s(run: Run) -> float | None:
-    if run.started_at is None or run.finished_at is None:
-        return run.expected_s
-    return max(run.finished_at - run.started_at, 0.0)
 
 
 def compare(session: Session, run_id: int) -> None:

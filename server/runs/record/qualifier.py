@@ -9,6 +9,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import Configuration
 
 LOG = "log of a real mission"
+ENTRY = "entry of a competition"
 NOT_ELIGIBLE = "not eligible for a rank"
 
 
@@ -38,6 +39,8 @@ def qualifier(run: Qualified) -> str:
         return LOG
     if run.kind is RunKind.RANKED:
         return NOT_ELIGIBLE if run.score is not None and run.rankable is False else ""
+    if run.kind is RunKind.ENTRY:
+        return ENTRY
     trials = "1 trial" if run.trials == 1 else f"{run.trials} trials"
     return ", ".join(filter(None, ("practice", _scenario(run), trials)))
 

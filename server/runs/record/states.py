@@ -35,11 +35,13 @@ class RunState(StrEnum):
 class RunKind(StrEnum):
     """What a run is for: practice on a seed of one's own, or a rank on those of the benchmark.
 
-    A log is no simulation: the log of a real mission, measured like a run.
+    An entry counts in a round of a competition. A log is no simulation: the log of a real mission,
+    measured like a run.
     """
 
     PRACTICE = "practice"
     RANKED = "ranked"
+    ENTRY = "entry"
     LOG = "log"
 
 

@@ -8,14 +8,17 @@ from sqlalchemy.orm import Session, defer, undefer
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.classes import classrooms
+from seamark.server.database.competition_tables import Entry, Team
 from seamark.server.database.tables import IS_LISTED, Result, Run, User
 from seamark.server.runs.data.error_curve import Curve
 from seamark.server.runs.queue import wait_estimate
-from seamark.server.runs.record import anonymity, run_parts
+from seamark.server.runs.record import anonymity, entries, run_parts
 from seamark.server.runs.record.columns import Part, PublicRun
-from seamark.server.runs.record.states import RunState
+from seamark.server.runs.record.entries import EntryAccess
+from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
 
+_Selection = Select[Run, Result | None, User | None, str | None]
 _OF_PROGRAM = frozenset(("traceback", "log_tail"))
 
 
@@ -39,6 +42,7 @@ class RunView(PublicRun):
     draw: int | None = None  # none that is shown has one
     hidden_names: tuple[str, ...] = ()  # of an anonymous run's programs, which its log may quote
     teacher_id: int | None = None  # of the class it was submitted for; not in lists
+    entry: EntryAccess | None = None  # of a competition; not in lists
 
     @property
     def has_programs(self) -> bool:
@@ -67,14 +71,17 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     rows = session.execute(query).one_or_none()
     if rows is None:
         return None
-    run, result, user = rows
+    run, result, user, team = rows
     run_parts.load(session, [run])
-    teacher_id = classrooms.teacher_of(session, run_id)
+    more: dict[str, object] = {
+        "teacher_id": classrooms.teacher_of(session, run_id),
+        "entry": entries.access_of(session, run),
+    }
     if settings is None or RunState(run.state).final:
-        return view(run, result, user, teacher_id=teacher_id)
+        return view(run, result, user, team, **more)
     wait = wait_estimate.wait_of(session, run, settings)
     waiting = {"position": wait.position, "estimate_s": wait.estimate_s, "why_waiting": wait.why}
-    return view(run, result, user, teacher_id=teacher_id, **waiting)
+    return view(run, result, user, team, **more, **waiting)
 
 
 def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
@@ -94,24 +101,32 @@ def of_sweep(session: Session, sweep_id: int) -> list[RunView]:
     return _views(session, query)
 
 
-def _views(session: Session, query: Select[Run, Result | None, User | None]) -> list[RunView]:
+def _views(
+    session: Session, query: Select[Run, Result | None, User | None, str | None]
+) -> list[RunView]:
     rows = session.execute(query).all()
     run_parts.load(session, (row[0] for row in rows))
     return [view(*row) for row in rows]
 
 
-def selection() -> Select[Run, Result | None, User | None]:
+def selection() -> _Selection:
     """Select what `view` needs of runs."""
     return (
-        select(Run, Result, User)
+        select(Run, Result, User, Team.name)
         .outerjoin(Result, Result.run_id == Run.id)
         .outerjoin(User, User.id == Run.user_id)
+        .outerjoin(Entry, Entry.run_id == Run.id)
+        .outerjoin(Team, Team.id == Entry.team_id)
     )
 
 
-def view(run: Run, result: Result | None, user: User | None, /, **more: object) -> RunView:
-    """Return the values of a run from its rows."""
+def view(
+    run: Run, result: Result | None, user: User | None, team: str | None, /, **more: object
+) -> RunView:
+    """Return the values of a run from its rows; that of a competition is its team's."""
     name, is_baseline = ("guest", False) if user is None else (user.name, user.is_baseline)
+    if run.kind == RunKind.ENTRY:
+        name, is_baseline = team or entries.REFERENCE, team is None
     shown = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **more)
     # Printable when it was stored by this version; not by an earlier one.
     detail = {name: _shown(value) for name, value in shown.detail.items()}

@@ -79,7 +79,10 @@ def submit_all(
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
     new_bytes = sum(each.size.bytes for each in valids)
-    quota.enforce(session, submission.viewer, settings, new_bytes=new_bytes, new_runs=len(valids))
+    if submission.entry is None:  # a round has a quota of its own
+        quota.enforce(
+            *(session, submission.viewer, settings), new_bytes=new_bytes, new_runs=len(valids)
+        )
     if submission.kind is RunKind.RANKED:
         quota.enforce_ranked(session, submission.viewer, submission.benchmark, settings)
     ids: list[int] = []
@@ -90,7 +93,7 @@ def submit_all(
         ids.append(_insert(session, each, run, settings))
         submitted = partial(_log.info, "run_submitted", run=run.id, benchmark=run.benchmark)
         after_commit(session, submitted)
-    turns.refresh(session, submission.viewer.owner or "")
+    turns.refresh(session, _owner(submission) or "")
     return ids
 
 
@@ -101,9 +104,14 @@ def _insert(session: Session, valid: ValidSubmission, run: Run, settings: Settin
         run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
+    if submission.entry is not None:
+        run.submission = submission_digest(run)
+        run.seed = submission.entry.seed_of(run.submission)
     run.trial_seeds = seeds.derived(run, settings)
     session.add(run)
     session.flush()
+    if submission.entry is not None:
+        submission.entry.enter(session, run.id)
     if submission.assignment is not None:
         _enter(session, submission.assignment, run)
     return run.id
@@ -130,7 +138,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         viewer=viewer,
         benchmark=old.benchmark,
         config=config,
-        kind=RunKind(old.kind),
+        kind=RunKind.PRACTICE if old.kind == RunKind.ENTRY else RunKind(old.kind),
         controller=old.controller,
         program=program_of(old, settings),
         parts=parts_of(old, settings),
@@ -229,6 +237,11 @@ def vehicle_of(run: Run, settings: Settings) -> StoredVehicle | None:
         ) from None
 
 
+def _owner(submission: Submission) -> str | None:
+    """Return whose run it is: not of who submits the entry of a team."""
+    return submission.viewer.owner if submission.entry is None else submission.entry.owner
+
+
 def _row(valid: ValidSubmission) -> Run:
     submission, viewer, program = (
         valid.submission,
@@ -237,12 +250,12 @@ def _row(valid: ValidSubmission) -> Run:
     )
     config, vehicle = valid.whole.document(valid.config), submission.vehicle
     own = vehicle is not None and config[vehicles.FIELD] == vehicle.name  # a sweep may have others
-    ranked = submission.kind is RunKind.RANKED
+    ranked, personal = submission.kind is RunKind.RANKED, submission.entry is None
     drawn = submission.seed if submission.seed is not None else secrets.randbelow(SEED_MAX + 1)
     return Run(
-        owner=viewer.owner,
-        user_id=viewer.user_id,
-        guest=None if viewer.user_id is not None else viewer.guest,
+        owner=_owner(submission),
+        user_id=viewer.user_id if personal else None,
+        guest=viewer.guest if personal and viewer.user_id is None else None,
         benchmark=submission.benchmark,
         kind=submission.kind,
         config=config,

@@ -60,6 +60,7 @@ class SweepView:
     public: bool = False
     program_public: bool = False
     teacher_id: int | None = None  # nobody else sees it: its runs may be those of an assignment
+    entry: None = None  # no sweep counts in a competition
 
     @property
     def runs(self) -> list[RunView]:

@@ -1,7 +1,9 @@
 """The rules of a submission that need no database, for the form, the API, checks and baselines."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+
+from sqlalchemy.orm import Session
 
 from seamark.programs import configurations, parts
 from seamark.programs.configurations import RunConfiguration
@@ -20,6 +22,7 @@ from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 RANKED_VEHICLE = (
     "A ranked run has the vehicle of its benchmark. Start a practice run for one of your own."
@@ -44,6 +47,16 @@ class AccountNeeded(SubmissionRejected):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EntryTerms:
+    """What a round of a competition fixes of the runs that are submitted to it."""
+
+    owner: str  # of the run: it belongs to a team, or to the competition
+    trials: int
+    seed_of: Callable[[str], int]  # seed of a submission, by its digest
+    enter: Callable[[Session, int], None]  # records the run's id in the transaction that inserts it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Submission:
     """What a user sends, not validated. `config` may leave out settings that have defaults."""
 
@@ -61,6 +74,7 @@ class Submission:
     notes: str = ""
     rerun_of: int | None = None
     assignment: int | None = None  # of a class, for which the run is to count
+    entry: EntryTerms | None = None  # of a competition, in which the run is to count
     baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
     connected: bool = False  # its program takes part over the network, see `solutions`
 
@@ -102,14 +116,7 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
     whole = configurations.read(benchmark, submission.config, declared)
     config = whole.settings
     require_permission(submission.viewer, kind=submission.kind, uploads=_first_upload(submission))
-    if submission.kind is RunKind.RANKED:
-        chosen = submission.controller
-        config = ranked_scenario.apply(
-            *(benchmark, submission.config, config), controller=chosen, parts=submission.parts
-        )
-        trials = _ranked_trials(submission, benchmark)
-    else:
-        trials = _practice_trials(submission, settings)
+    config, trials = _by_kind(submission, benchmark, config, settings)
     if (submission.controller == UPLOAD) != (submission.program is not None):
         raise SubmissionRejected(
             f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
@@ -135,6 +142,23 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
     if refusal is not None and submission.kind is RunKind.PRACTICE:
         raise SubmissionRejected(refusal)
     return ValidSubmission(submission, benchmark, config, trials, size, whole)
+
+
+def _by_kind(
+    submission: Submission, benchmark: Benchmark, config: Configuration, settings: Settings
+) -> tuple[Configuration, int]:
+    """Return the configuration of a run of its kind, and the number of its trials."""
+    if submission.kind is RunKind.RANKED:
+        chosen = submission.controller
+        ranked = ranked_scenario.apply(
+            *(benchmark, submission.config, config), controller=chosen, parts=submission.parts
+        )
+        return ranked, _ranked_trials(submission, benchmark)
+    if submission.entry is None:
+        return config, _practice_trials(submission, settings)
+    if not submission.baseline and (errors := config.ranking_errors()):
+        raise ConfigurationInvalid(errors)
+    return config, submission.entry.trials
 
 
 def find_benchmark(name: str) -> Benchmark:

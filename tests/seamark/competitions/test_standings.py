@@ -315,7 +315,7 @@ def test_ranges_of_pairs_are_narrower_than_those_of_means() -> None:
             high=np.mean(scores, axis=1),
             standard_error=np.array([standard_error(row) for row in scores.tolist()]),
             degrees=np.full(8, 47.0),
-            people=np.ones(8, np.int64),
+            counts=np.ones(8, np.int64),
         )
         for row in scores.tolist():
             own = Estimate(score=mean(row), standard_error=standard_error(row), degrees=47)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from alembic import command
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, MetaData, inspect, select
+from sqlalchemy import Connection, MetaData, inspect, select, update
 
 from performance.service.database.requests import create_first
 from seamark.server.accounts import accounts, audit, browser_sessions, invitations
@@ -17,6 +17,12 @@ from seamark.server.accounts.audit import Actor, AuditAction
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
+from seamark.server.database.competition_tables import (
+    Competition,
+    Entry,
+    FinalPlace,
+    RoundChange,
+)
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
 from seamark.server.database.operation_tables import DiskUsage
@@ -30,6 +36,7 @@ from seamark.server.messaging import workers
 from seamark.server.programs import check_queue
 from seamark.server.settings import Settings
 from tests.cast import Backend
+from tests.server.judging.cup import Cup
 
 ROOT = Path(__file__).parents[3]
 PROCESSES = 3
@@ -111,6 +118,20 @@ def _fill(backend: Backend) -> None:
         identity = {"issuer": "https://id.example.org", "subject": "1", "label": "Ann"}
         session.add(LinkedIdentity(user_id=ann, linked_at=1.0, **identity))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
+    _fill_competition(backend)
+
+
+def _fill_competition(backend: Backend) -> None:
+    cup = Cup.draft(backend)
+    with backend.database.writing() as session:
+        session.execute(update(Competition).values(opened_at=1.0, picture=b"png"))
+    team, numbers = cup.team("ben"), {"round_id": cup.view.rounds[0].id, "run_id": 1}
+    of_team = {"team_id": team, "method": "PI"}
+    with backend.database.writing() as session:
+        session.add(Entry(method_key="pi", submitted_at=1.0, **numbers, **of_team))
+        session.add(FinalPlace(trials=1, **numbers, **of_team))
+        changed = {"at": 1.0, "before": 2.0, "after": 3.0, "reason": "The service was down."}
+        session.add(RoundChange(round_id=numbers["round_id"], **changed))
 
 
 def _rows(connection: Connection) -> Rows:

@@ -1,0 +1,1 @@
+"""Competitions: what is asked, rounds, teams and their entries."""

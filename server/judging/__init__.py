@@ -1,0 +1,1 @@
+"""How competitions are decided: entries, reference entries, boards, finals and what proves them."""

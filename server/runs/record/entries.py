@@ -1,0 +1,156 @@
+"""Runs that count in a competition: who may see them, and their scores by the organiser's rules."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from seamark.competitions.document import Programs, RoundKind
+from seamark.server.database.competition_tables import (
+    Competition,
+    Entry,
+    Round,
+    Team,
+    TeamMember,
+)
+from seamark.server.database.tables import Run
+from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.record.trial_scores import block_of
+from seamark.sim import registry
+from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
+from seamark.sim.numerics.statistics import block_means, mean, mean_interval, standard_error
+
+# Of the trials: may break a rule without barring the entry; E, as for ranked runs
+EXCUSED_SHARE = 0.25
+REFERENCE = "reference entry"  # in place of the name of a team
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntryAccess:
+    """Where a run counts, and who may see it before everybody may."""
+
+    competition: str  # its name
+    title: str
+    round: int  # its number; 0: the check of a draft
+    kind: RoundKind
+    batch: int  # of a final; 0: of another round
+    method: str
+    team_id: int | None  # None: a reference entry
+    team: str
+    members: frozenset[int]
+    organiser_id: int | None
+    organiser_reads: bool  # the programs of teams, by the rules
+    sealed: bool  # nobody sees it until the final is decided
+
+    def seen_by(self, user_id: int | None, *, program: bool) -> bool:
+        """Return whether an account sees the run, or its program and its log."""
+        if user_id is None or self.sealed:
+            return False
+        if user_id in self.members:
+            return True
+        return user_id == self.organiser_id and (self.organiser_reads or not program)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntryScore:
+    """The score of an entry by the rules of its competition, or why it has none."""
+
+    refusal: str | None = None
+    scores: tuple[float, ...] = ()  # of the trials
+    score: float | None = None
+    low: float | None = None
+    high: float | None = None
+    standard_error: float | None = None
+    degrees: int = 0
+
+
+def access_of(session: Session, run: Run) -> EntryAccess | None:
+    """Return where a run counts; None if it is no entry."""
+    if run.kind != RunKind.ENTRY:
+        return None
+    query = (
+        select(Entry, Round, Competition.name, Competition.document, Competition.organiser_id)
+        .add_columns(Team.name)
+        .join(Round, Round.id == Entry.round_id)
+        .join(Competition, Competition.id == Round.competition_id)
+        .outerjoin(Team, Team.id == Entry.team_id)
+        .where(Entry.run_id == run.id)
+    )
+    row = session.execute(query).one_or_none()
+    if row is None:
+        return None
+    entry, of, name, document, organiser_id, team = row
+    of_team = select(TeamMember.user_id).where(TeamMember.team_id == entry.team_id)
+    members = frozenset[int]() if entry.team_id is None else frozenset(session.scalars(of_team))
+    return EntryAccess(
+        competition=name,
+        title=document["title"],
+        round=of.number,
+        kind=RoundKind(of.kind),
+        batch=entry.batch,
+        method=entry.method,
+        team_id=entry.team_id,
+        team=team or REFERENCE,
+        members=members,
+        organiser_id=organiser_id,
+        organiser_reads=entry.team_id is None or document["programs"] != Programs.HIDDEN,
+        sealed=of.kind == RoundKind.FINAL and of.decided_at is None,
+    )
+
+
+def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> None:
+    """Store the score of an entry whose run has succeeded, in the transaction of its result."""
+    entry = session.get(Entry, run_id)
+    if entry is None or metrics is None:
+        return
+    run = session.get_one(Run, run_id)
+    scored = score(run.benchmark, run.config, metrics)
+    entry.refusal = scored.refusal
+    if scored.refusal is None:
+        entry.scores = list(scored.scores)
+        entry.score, entry.score_low, entry.score_high = scored.score, scored.low, scored.high
+        entry.standard_error, entry.degrees = scored.standard_error, scored.degrees
+
+
+def score(benchmark: str, config: Mapping[str, Any], metrics: Mapping[str, Any]) -> EntryScore:
+    """Return the score of an entry: of the organiser's expression, or else of the benchmark."""
+    trials: Sequence[Mapping[str, Any]] = metrics.get("trials", ())
+    broken = [trial for trial in trials if not trial.get("rankable", True)]
+    if len(broken) > EXCUSED_SHARE * len(trials):
+        why = metrics.get("not_ranked") or "A rule of the benchmark is broken."
+        return EntryScore(refusal=f"{why} So in {len(broken)} of {len(trials)} trials.")
+    expression = registry.benchmark(benchmark).restore(config).custom_score()
+    try:
+        scores = [_trial_score(expression, trial) for trial in trials]
+    except ExpressionInvalid as error:
+        return EntryScore(refusal=f"The score of the competition has no value: {error}")
+    if not scores or not all(map(math.isfinite, scores)):
+        return EntryScore(refusal="A trial has no finite score.")
+    return summary(benchmark, scores)
+
+
+def summary(benchmark: str, scores: Sequence[float]) -> EntryScore:
+    """Return the mean of the scores of trials with its 95 % interval."""
+    block = block_of(benchmark)
+    means = block_means(scores, block)
+    error = standard_error(means)
+    known = math.isfinite(error)
+    low, high = mean_interval(scores, block=block) or (None, None)
+    return EntryScore(
+        scores=tuple(scores),
+        score=mean(scores),
+        low=low,
+        high=high,
+        standard_error=error if known else None,
+        degrees=len(means) - 1 if known else 0,
+    )
+
+
+def _trial_score(expression: str, trial: Mapping[str, Any]) -> float:
+    if not expression:
+        return math.nan if trial["score"] is None else float(trial["score"])
+    values = {"score": trial["score"]} | trial["overall"] | trial["measures"]
+    return score_of(expression, values)
