@@ -63,6 +63,7 @@ OTHERS = {
     "adversaries": "statistics.adversaries",
     "population": "statistics.population",
     "coverage": "statistics.coverage",
+    "finals": "statistics.finals",
     "identification_coverage": "statistics.identification.coverage",
     "selection": "statistics.selection",
     "reference_results": "statistics.reference_results",

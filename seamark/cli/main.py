@@ -27,6 +27,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "tune": ("tune:tune", "Search for the best settings, and check them on fresh trials."),
     "submit": ("submit:submit", "Submit a run to a server."),
     "compare": ("compare:compare", "Compare results or runs of a server side by side."),
+    "competition": ("competition:competition", "Check a competition from its audit file."),
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "demonstrations": (

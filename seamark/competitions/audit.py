@@ -77,8 +77,8 @@ def _keys(audit: Audit, played: Round, entries: Sequence[Entry]) -> Iterator[Fin
     else:
         yield _good(f"{name}: its key belongs to the commitment {played.commitment}.")
     yield from _each(
-        f"{name}: the seed does not follow from the key in",
-        f"{name}: the seeds follow from the key in",
+        name,
+        ("the seed follows from the key", "the seed does not follow from the key"),
         entries,
         (entry for entry in entries if entry.seed != _seed(audit, key, entry)),
     )
@@ -94,8 +94,11 @@ def _runs(played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
     name = _name(played)
     shown = [entry for entry in entries if entry.submitted is not None]
     yield from _each(
-        f"{name}: the digest of the submission is not that of what was submitted in",
-        f"{name}: the digest of the submission is that of what was submitted in",
+        name,
+        (
+            "the digest of the submission is that of what was submitted",
+            "the digest of the submission is not that of what was submitted",
+        ),
         shown,
         (each for each in shown if canonical_sha256(each.submitted or {}) != each.submission),
     )
@@ -107,16 +110,19 @@ def _runs(played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
             "submitted, so the digest of the submission cannot be checked.",
         )
     yield from _each(
-        f"{name}: not {played.trials} scores, or another mean than the score, in",
-        f"{name}: the score is the mean of {played.trials} trials in",
+        name,
+        (
+            f"the score is the mean of {played.trials} trials",
+            f"the score is not the mean of {played.trials} trials",
+        ),
         entries,
         (entry for entry in entries if not _is_scored(entry, played.trials)),
     )
     if played.kind != RoundKind.FINAL:  # its entries were submitted before
         teams = [entry for entry in entries if entry.team is not None]
         yield from _each(
-            f"{name}: submitted while the round was not open:",
-            f"{name}: submitted while the round was open:",
+            name,
+            ("a team submitted while the round was open", "the round was not open for the team"),
             teams,
             (entry for entry in teams if not _is_open(played, entry.submitted_at)),
         )
@@ -261,14 +267,21 @@ def _alike(one: float | None, other: float | None) -> bool:
 
 
 def _each(
-    wrong_says: str, right_says: str, checked: Sequence[Entry], wrong: Iterable[Entry]
+    name: str, says: tuple[str, str], checked: Sequence[Entry], wrong: Iterable[Entry]
 ) -> Iterator[Finding]:
-    """Yield a sentence about the runs that were checked, if there are any."""
+    """Yield a sentence about the runs of a round that were checked, if there are any.
+
+    `says` is what is right of a run, and what is wrong.
+    """
+    right_says, wrong_says = says
     runs = [entry.run for entry in wrong]
     if runs:
-        yield _problem(f"{wrong_says} {len(runs)} of {_count(len(checked))}: {_listed(runs)}.")
+        yield _problem(
+            f"{name}: in {len(runs)} of {_count(len(checked))}, {wrong_says}: {_listed(runs)}."
+        )
     elif checked:
-        yield _good(f"{right_says} {_count(len(checked))}.")
+        which = "1 run" if len(checked) == 1 else f"each of {_count(len(checked))}"
+        yield _good(f"{name}: in {which}, {right_says}.")
 
 
 def _count(runs: int) -> str:

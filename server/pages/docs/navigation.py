@@ -27,7 +27,8 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("visibility.md", "validation.md", "measurements.md"),
     ),
     "For teachers and operators": (
-        *("classes.md", "hosting.md", "security.md", "scaling.md", "decisions.md"),
+        *("classes.md", "competitions.md", "hosting.md", "security.md", "scaling.md"),
+        "decisions.md",
     ),
 }
 

@@ -41,7 +41,7 @@ def complete(folder: Path, words: str) -> list[str]:
 @pytest.mark.parametrize(
     ("words", "offered"),
     [
-        ("seamark com", ["compare", "completion"]),
+        ("seamark com", ["compare", "competition", "completion"]),
         ("seamark run currents-v", ["currents-v3", "currents-v2", "currents-v1"]),
         ("seamark tune currents-v1 --controller p", ["p", "pi", "pi-ff", "pid"]),
         ("seamark tune currents-v1 --controller pi-", ["pi-ff"]),

@@ -18,6 +18,7 @@ from seamark.server.settings import Settings
 from seamark.sim.vehicles import load
 from seamark.sim.vehicles.urdf import urdf_of
 from tests.cast import Backend
+from tests.seamark.competitions.audits import document
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=2", "--set", "settle_s=1", "--seed", "7")
 CASES = {  # command -> arguments; {first} and {second} are finished runs
@@ -34,6 +35,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "vehicle check": "girona500",
     "vehicle import": "hull.urdf -o hull.toml",
     "completion": "bash",
+    "competition audit": "audit.json",
     "user add": "zoe",
     "user import": "names.txt",
     "user invite": "--count 2",
@@ -84,6 +86,7 @@ def folder(
 ) -> Path:
     """A folder from which commands reach a service with the cast."""
     (tmp_path / "wrong.py").write_text("class Controler:\n    pass\n")
+    (tmp_path / "audit.json").write_text(json.dumps(document()))
     (tmp_path / "names.txt").write_text("tim\nann\n")
     (tmp_path / "hull.urdf").write_text(urdf_of(load("girona500")))
     monkeypatch.chdir(tmp_path)

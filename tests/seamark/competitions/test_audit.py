@@ -78,7 +78,7 @@ def test_a_document_in_which_everything_is_right_has_only_good_findings() -> Non
     findings = verify(DOCUMENT)
 
     assert {each.level for each in findings} == {Level.GOOD}
-    assert "Round 3 (final): the seeds follow from the key in 10 runs." in {
+    assert "Round 3 (final): in each of 10 runs, the seed follows from the key." in {
         each.sentence for each in findings
     }
     assert findings[-2].sentence == (
@@ -118,16 +118,20 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
         (("frozen_sha256",), "0" * 64, "frozen benchmark does not have the SHA-256"),
         (("rounds", 1, "key"), "0" * 64, "Round 2 (qualification): its key does not belong"),
         (("rounds", 1, "commitment"), "0" * 64, "(qualification): its key does not belong"),
-        (("competition",), "wreck", "does not follow from the key in 10 of 10 runs"),
-        (("entries", 0, "seed"), 5, "(practice): the seed does not follow from the key in 1 of 1 "),
-        (("entries", 0, "submission"), "0" * 64, "(practice): the digest of the submission is not"),
+        (("competition",), "wreck", "in 10 of 10 runs, the seed does not follow"),
+        (("entries", 0, "seed"), 5, "(practice): in 1 of 1 run, the seed does not follow from"),
+        (
+            ("entries", 0, "submission"),
+            "0" * 64,
+            "(practice): in 1 of 1 run, the digest of the submission is not",
+        ),
         (("entries", 0, "submitted", "program"), "0", "the digest of the submission is not that"),
-        (("entries", 1, "score"), 0.3, "(qualification): not 6 scores, or another mean"),
-        (("entries", 1, "scores", 2), 0.3, "(qualification): not 6 scores, or another mean"),
-        (("entries", 1, "scores"), [0.2], "(qualification): not 6 scores, or another mean"),
-        (("entries", 2, "score"), 0.2, "(qualification): not 6 scores, or another mean"),
-        (("entries", 1, "submitted_at"), 5000.0, "submitted while the round was not open: 1 of 2"),
-        (("rounds", 1, "opens_at"), 2600.0, "submitted while the round was not open: 2 of 2"),
+        (("entries", 1, "score"), 0.3, "(qualification): in 1 of 2 runs, the score is not"),
+        (("entries", 1, "scores", 2), 0.3, "(qualification): in 1 of 2 runs, the score is not"),
+        (("entries", 1, "scores"), [0.2], "(qualification): in 1 of 2 runs, the score is not"),
+        (("entries", 2, "score"), 0.2, "(qualification): in 1 of 2 runs, the score is not"),
+        (("entries", 1, "submitted_at"), 5000.0, "in 1 of 2 runs, the round was not open"),
+        (("rounds", 1, "opens_at"), 2600.0, "in 2 of 2 runs, the round was not open"),
         (("rounds", 2, "looks"), 1, "it had 2 batches, of at most 1"),
         (("rounds", 2, "looks"), 500, "places, ranges or scores do not follow"),
         (("standings", "batches"), 1, "finalist 21 has a run after the last batch, 1"),
@@ -250,7 +254,7 @@ def test_many_wrong_runs_are_counted_and_not_all_named() -> None:
     ]
 
     assert problems(many) == [
-        "Round 1 (practice): the seed does not follow from the key in 15 of 16 runs: 0, 1, 2, 3, "
+        "Round 1 (practice): in 15 of 16 runs, the seed does not follow from the key: 0, 1, 2, 3, "
         "4, 5, 6, 7, 8, 9 and 5 more."
     ]
 

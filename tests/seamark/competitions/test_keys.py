@@ -1,6 +1,7 @@
 """Keys of rounds: fixed before the round, and none can be guessed from another one."""
 
 import hashlib
+import hmac
 from collections.abc import Callable
 
 import pytest
@@ -67,3 +68,11 @@ def test_seeds_differ_in_key_competition_and_submission() -> None:
 def test_an_empty_argument_is_an_error(wrong: Callable[[], object], word: str) -> None:
     with pytest.raises(ValueError, match=word):
         wrong()
+
+
+def test_the_formula_in_the_documentation_gives_the_seed() -> None:
+    """Those who check a competition without this program follow it (docs/competitions.md)."""
+    text = "\n".join(["seamark fresh seed", "reef", "final batch 1", "0"])
+    first = hmac.new(KEY, text.encode(), hashlib.sha256).digest()[:8]
+
+    assert int.from_bytes(first, "big") // 2 % 2**31 == seed(KEY, "reef", final_label(1))

@@ -1,19 +1,19 @@
-"""Ranks of a final: right as often as they say, whenever it ends, in any order of finalists."""
+"""Ranks of a final: the paired differences decide, in whatever order the finalists come.
+
+tests/performance/statistics/test_finals.py has how often the ranges are right.
+"""
 
 import math
 import random
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.competitions.standings import Finalist, Placing, Standings, Ties, decide
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.sim.numerics.statistics import mean, paired_interval, standard_error
-from tests.seamark.competitions.finals import drawn, false_ranges, finalists, held
 
 NOISE = (0.1, -0.2, 0.3, 0.0, -0.1, 0.2, -0.3, 0.05, 0.15, -0.2, 0.1, -0.1)  # of twelve trials
 OTHER = (0.0, 0.1, -0.1, 0.2, -0.2, 0.1, 0.0, -0.1, 0.1, 0.0, -0.2, 0.1)
@@ -24,6 +24,13 @@ TABLE = st.integers(1, 8).flatmap(
     )
 )
 RULE = st.sampled_from(Ties)
+
+
+def finalists(rows: Sequence[Sequence[float] | None]) -> list[Finalist]:
+    """Return finalists with their place in the list as key and as time of submission."""
+    return [
+        Finalist(key=at, submitted_at=float(at), scores=scores) for at, scores in enumerate(rows)
+    ]
 
 
 def places(standings: Standings) -> dict[int, tuple[int | None, int | None, int | None]]:
@@ -280,46 +287,3 @@ def test_two_finalists_with_the_same_key_are_an_error() -> None:
 
     with pytest.raises(ValueError, match="twice"):
         decide([one, replace(one, submitted_at=5.0)], block=1, looks=1, ties=Ties.EARLIER)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("skills", [(0.0, 0.0), (0.1, 0.0, 0.0, -0.1), (0.0,) * 6])
-def test_at_most_five_of_a_hundred_ranges_are_false_though_the_final_stops_when_it_likes(
-    skills: tuple[float, ...],
-) -> None:
-    false = list(false_ranges(skills, finals=300, batches=10, batch=8, looks=10))
-
-    assert sum(false) <= 0.05 * len(false)
-
-
-@pytest.mark.slow
-def test_ranges_are_false_too_often_without_the_correction_for_looks() -> None:
-    """Or the test above could not fail."""
-    false = list(false_ranges((0.0, 0.0), finals=300, batches=20, batch=8, looks=1))
-
-    assert sum(false) > 0.05 * len(false)
-
-
-@pytest.mark.slow
-def test_ranges_of_pairs_are_narrower_than_those_of_means() -> None:
-    generator = np.random.default_rng(7)
-    skills = [0.4 * number for number in range(8)]
-    paired = unpaired = 0
-
-    for _ in range(20):
-        scores = drawn(generator, skills, 48)
-        for one in held(scores, batch=48, looks=1).placings:
-            paired += 1 + (one.place_high or 0) - (one.place_low or 0)
-        people = Population(
-            low=np.mean(scores, axis=1),
-            high=np.mean(scores, axis=1),
-            standard_error=np.array([standard_error(row) for row in scores.tolist()]),
-            degrees=np.full(8, 47.0),
-            counts=np.ones(8, np.int64),
-        )
-        for row in scores.tolist():
-            own = Estimate(score=mean(row), standard_error=standard_error(row), degrees=47)
-            low, high = people.rank_range(own)
-            unpaired += 1 + high - low
-
-    assert paired < 0.6 * unpaired

@@ -1,0 +1,81 @@
+"""`seamark competition`: competitions, from the side of who checks them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import json_option
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.competitions.findings import Finding
+
+_COLOURS = {"good": "green", "warning": "yellow", "problem": "red"}
+
+
+@click.group()
+def competition() -> None:
+    """Check a competition; docs/competitions.md describes it."""
+
+
+@competition.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@json_option
+def audit(*, file: Path, as_json: bool) -> None:
+    """Compute anew what follows from the audit FILE of a competition, and say what is wrong.
+
+    That is the SHA-256 of its frozen benchmark, the commitments of the revealed keys, the seed of
+    each run, the means of all scores, and the standings of the final. Compare the commitments that
+    it prints with those that were published before the rounds. Exit code 1: something is wrong.
+
+    \b
+    Examples:
+      seamark competition audit audit.json
+      seamark competition audit audit.json --json
+    """
+    from seamark.competitions.findings import Level
+
+    findings = _checked(file, _read(file))
+    problems = sum(finding.level == Level.PROBLEM for finding in findings)
+    if as_json:
+        told = [{"level": each.level, "sentence": each.sentence} for each in findings]
+        print_json({"sound": problems == 0, "findings": told})
+    else:
+        _show(findings, problems)
+    exit_with(1 if problems else 0)
+
+
+def _read(file: Path) -> dict[str, Any]:
+    from seamark.competitions.audit_document import BYTES_MAX, AuditInvalid, load
+
+    with file.open("rb") as stream:
+        content = stream.read(BYTES_MAX + 1)
+    try:
+        return load(content)
+    except AuditInvalid as reason:
+        raise UsageRefused(f"{file.name} is no audit file: {reason}.") from None
+
+
+def _checked(file: Path, document: dict[str, Any]) -> list[Finding]:
+    from seamark.competitions.audit import verify
+    from seamark.competitions.audit_document import AuditInvalid
+
+    try:
+        return verify(document)
+    except AuditInvalid as reason:
+        raise UsageRefused(f"{file.name} cannot be checked: {reason}.") from None
+
+
+def _show(findings: list[Finding], problems: int) -> None:
+    for finding in findings:
+        mark = click.style(f"{finding.level:<7}", fg=_COLOURS[finding.level])
+        click.echo(f"{mark} {finding.sentence}")
+    click.echo("")
+    if problems:
+        click.echo(f"{problems} of {len(findings)} checks found something wrong; see above.")
+    else:
+        click.echo("Nothing is wrong with what can be checked.")
