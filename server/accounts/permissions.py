@@ -225,6 +225,12 @@ def teaches(viewer: Viewer, teacher_id: int) -> bool:
     return own or can(viewer, Action.ADMINISTER)
 
 
+def organises(viewer: Viewer, organiser_id: int | None) -> bool:
+    """Return whether the viewer has the rights of this organiser: is it, or is an admin."""
+    own = viewer.user_id is not None and viewer.user_id == organiser_id
+    return (own and can(viewer, Action.ORGANISE)) or can(viewer, Action.ADMINISTER)
+
+
 def owns(viewer: Viewer, run: Owned) -> bool:
     """Return whether the run is the viewer's own."""
     if run.user_id is not None:

@@ -173,7 +173,7 @@ def create(
     Parameters
     ----------
     picture
-        PNG.
+        PNG or JPEG.
     secret
         The service's seed key.
 
@@ -343,7 +343,7 @@ def drafts_of(session: Session, organiser_id: int | None) -> list[CompetitionVie
 
 
 def picture(session: Session, competition_id: int) -> bytes | None:
-    """Return the picture of a competition (PNG), if it has one."""
+    """Return the picture of a competition, PNG or JPEG, if it has one."""
     return session.scalar(select(Competition.picture).where(Competition.id == competition_id))
 
 

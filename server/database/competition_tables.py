@@ -35,7 +35,7 @@ class Competition(Base):
         _Json
     )  # as seamark.competitions.document reads
     digest: Mapped[str] = mapped_column(String(64))  # SHA-256 of the document
-    picture: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)  # PNG
+    picture: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)  # PNG or JPEG
     vehicle_sha256: Mapped[str | None] = mapped_column(String(64), index=True)
     created_at: Mapped[float]
     opened_at: Mapped[float | None]  # NULL: a draft
