@@ -61,13 +61,13 @@ def show(name: str) -> ResponseReturnValue:
     metric = next((m for m in benchmark.board_metrics if m.name == request.args.get("sort")), None)
     begin, labels = after is None, _labels(benchmark)
     with services().database.reading() as session:
-        population = score_counts.population(session, name, chosen.per)
+        numbers = score_counts.numbers(session, name)
+        population = score_counts.population(session, name, chosen.per, number=numbers[chosen.per])
         board = _page(session, benchmark, chosen, metric, after=after, population=population)
         marks = reference_entries.entries(session, benchmark)
         pending = reference_entries.are_pending(session, benchmark, marks)
         leaders = leader_replay.leaders(session, board.ranks) if begin and not metric else ()
         own = _own(session, name, chosen.per, population)
-        several_methods = "per" in request.args or _several_methods(session, name, population)
         verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
         offered = _choices(session, name, chosen.per, board, labels)
     leader = leader_replay.first_replayable(leaders)
@@ -84,7 +84,7 @@ def show(name: str) -> ResponseReturnValue:
         marks=marks,
         pending=pending,
         per_method=chosen.per is Per.METHOD,
-        several_methods=several_methods,
+        several_methods="per" in request.args or numbers[Per.METHOD] > numbers[Per.PERSON],
         labels=labels,
         filters=_filters(labels, offered),
         sortable=bool(benchmark.board_metrics) and population.size > 1,
@@ -149,11 +149,6 @@ def _own(session: Session, name: str, per: Per, population: Population) -> dict[
         return {"mine": mine, "history": None}
     points = rank_history.of_user(session, user_id, name)
     return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
-
-
-def _several_methods(session: Session, name: str, people: Population) -> bool:
-    """Return whether somebody has more than one method."""
-    return score_counts.size(session, name, Per.METHOD) > people.size
 
 
 def _pareto(

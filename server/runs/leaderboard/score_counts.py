@@ -93,10 +93,16 @@ def replace_all(session: Session, counts: Counts) -> None:
         session.execute(insert(ScoreCount), rows)
 
 
-def size(session: Session, benchmark: str, per: Per = Per.PERSON) -> int:
-    """Return the number of people or methods on a leaderboard."""
-    count = select(func.sum(_NUMBERS[per])).where(ScoreCount.benchmark == benchmark)
-    return int(session.scalar(count) or 0)
+def numbers(session: Session, benchmark: str) -> dict[Per, int]:
+    """Return how many people and how many methods are on a leaderboard."""
+    sums = select(*(func.sum(_NUMBERS[per]) for per in Per))
+    row = session.execute(sums.where(ScoreCount.benchmark == benchmark)).one()
+    return {per: int(number or 0) for per, number in zip(Per, row, strict=True)}
+
+
+def size(session: Session, benchmark: str) -> int:
+    """Return the number of people on a leaderboard."""
+    return numbers(session, benchmark)[Per.PERSON]
 
 
 def sizes(session: Session) -> dict[str, int]:
@@ -140,10 +146,20 @@ def at_or_above(
 
 
 def population(
-    session: Session, benchmark: str, per: Per = Per.PERSON, *, single_rows: int = SINGLE_ROWS
+    session: Session,
+    benchmark: str,
+    per: Per = Per.PERSON,
+    *,
+    number: int | None = None,
+    single_rows: int = SINGLE_ROWS,
 ) -> Population:
-    """Return the scores of all rows: each one, or each class if there are more than that."""
-    if size(session, benchmark, per) <= single_rows:
+    """Return the scores of all rows: each one, or each class if there are more than that.
+
+    `number` is how many there are, if the caller knows it.
+    """
+    if number is None:
+        number = numbers(session, benchmark)[per]
+    if number <= single_rows:
         return _of_rows(session, benchmark, per)
     columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
     query = select(*columns, _NUMBERS[per]).where(

@@ -2,7 +2,6 @@
 
 import pytest
 from sqlalchemy import select
-from sqlalchemy.orm import Session
 
 from seamark.server.accounts import accounts
 from seamark.server.database.tables import Best, BestMethod, Run, User
@@ -61,10 +60,6 @@ def test_the_number_of_a_deleted_run_is_not_given_to_another_one(backend: Backen
         assert views.show(session, newest) is None
 
 
-def _counted(session: Session) -> dict[Per, int]:
-    return {per: score_counts.size(session, "currents-v1", per) for per in Per}
-
-
 @pytest.mark.parametrize(("keep", "expected"), [(True, [(50.0, 3)]), (False, [])])
 def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_runs(
     backend: Backend, keep: bool, expected: list[tuple[float, int]]
@@ -78,10 +73,10 @@ def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_run
 
     with backend.database.writing() as session:
         kept = [(rank.score, rank.submissions) for rank in leaderboard.page(session, "currents-v1")]
-        assert _counted(session) == {per: len(expected) for per in Per}
+        assert score_counts.numbers(session, "currents-v1") == dict.fromkeys(Per, len(expected))
         best_runs.rebuild(session)
         again = leaderboard.page(session, "currents-v1")
-        assert _counted(session) == {per: len(expected) for per in Per}
+        assert score_counts.numbers(session, "currents-v1") == dict.fromkeys(Per, len(expected))
     assert kept == expected
     assert [(rank.score, rank.submissions) for rank in again] == expected
 
