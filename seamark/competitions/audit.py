@@ -16,13 +16,13 @@ from seamark.competitions.audit_document import (
     AuditInvalid,
     Entry,
     Round,
-    RoundKind,
-    canonical_sha256,
     read,
 )
+from seamark.competitions.document import AnyRound, CompetitionDocument, Final, RoundKind, digest_of
 from seamark.competitions.findings import Finding, Level
 from seamark.competitions.keys import commitment, final_label, seed
 from seamark.competitions.standings import Finalist, Placing, Standings, decide
+from seamark.sim import registry
 from seamark.sim.numerics.statistics import mean
 
 # Pairs of finalists times trials that the standings of all batches take: some ten seconds. A final
@@ -45,7 +45,7 @@ def verify(document: Mapping[str, Any]) -> list[Finding]:
     entries: dict[int, list[Entry]] = defaultdict(list)
     for entry in audit.entries:
         entries[entry.round].append(entry)
-    findings = [_frozen(audit)]
+    findings = [_frozen(audit), *_plan(audit)]
     for each in audit.rounds:
         findings += _keys(audit, each, entries[each.number])
         findings += _runs(each, entries[each.number])
@@ -57,9 +57,73 @@ def verify(document: Mapping[str, Any]) -> list[Finding]:
 
 
 def _frozen(audit: Audit) -> Finding:
-    if canonical_sha256(audit.frozen) != audit.frozen_sha256:
-        return _problem("The frozen benchmark does not have the SHA-256 that the document states.")
-    return _good(f"The frozen benchmark has the SHA-256 {audit.frozen_sha256}.")
+    if digest_of(audit.frozen) != audit.frozen_sha256:
+        return _problem("The frozen document does not have the SHA-256 that the audit states.")
+    return _good(f"The frozen document has the SHA-256 {audit.frozen_sha256}.")
+
+
+def _plan(audit: Audit) -> Iterator[Finding]:
+    """Whether names, rounds and rules are those that were frozen."""
+    try:
+        frozen = CompetitionDocument.restore(audit.frozen)
+        times = [_times(plan) for plan in frozen.rounds]
+    except (ValueError, OverflowError):  # of pydantic; a time before all calendars
+        yield _problem("The frozen document is none that this version of Seamark can read.")
+        return
+    differing = [
+        name for name in ("title", "benchmark") if getattr(audit, name) != getattr(frozen, name)
+    ]
+    if audit.competition != frozen.name:
+        differing.append("competition")
+    if [each.number for each in audit.rounds] != [*range(1, 1 + len(frozen.rounds))]:
+        yield _problem("The rounds are not those of the frozen document.")
+        return
+    for each, planned in zip(audit.rounds, times, strict=True):
+        differing += [f"{name} of round {each.number}" for name in _differing(frozen, each)]
+        yield from _moved(each, planned)
+    if differing:
+        yield _problem(f"Not as in the frozen document: {', '.join(differing)}.")
+    else:
+        yield _good("Names, rounds and rules are those of the frozen document.")
+
+
+def _differing(frozen: CompetitionDocument, played: Round) -> Iterator[str]:
+    plan = frozen.round(played.number)
+    wanted = {
+        "kind": plan.kind,
+        "trials": plan.trials,
+        "looks": plan.batches if isinstance(plan, Final) else 1,
+        "ties": frozen.ties,
+    }
+    if frozen.benchmark in registry.BENCHMARKS:  # of a later version it may be one that is unknown
+        protocol = frozen.base.protocol
+        wanted["block"] = 1 if protocol is None else protocol.block
+    yield from (name for name, value in wanted.items() if getattr(played, name) != value)
+
+
+def _times(plan: AnyRound) -> tuple[float, float | None]:
+    """Return when a round opens and closes; without an offset a time would depend on this host."""
+    closes = None if isinstance(plan, Final) else plan.closes
+    if plan.opens.tzinfo is None or (closes is not None and closes.tzinfo is None):
+        raise ValueError("a time of the frozen document has no offset")
+    return plan.opens.timestamp(), None if closes is None else closes.timestamp()
+
+
+def _moved(played: Round, planned: tuple[float, float | None]) -> Iterator[Finding]:
+    """Say whether a round was at another time than that of the frozen document."""
+    if (played.opens_at, played.closes_at) == planned:
+        return
+    if not played.moves:
+        yield _problem(
+            f"{_name(played)}: it was not at the time of the frozen document, and no move says why."
+        )
+        return
+    last = played.moves[-1]
+    yield Finding(
+        Level.WARNING,
+        f"{_name(played)}: it was moved after the competition had opened, by "
+        f"{(last.after - played.moves[0].before) / 3600.0:.3g} hours: {last.reason}",
+    )
 
 
 def _keys(audit: Audit, played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
@@ -100,7 +164,7 @@ def _runs(played: Round, entries: Sequence[Entry]) -> Iterator[Finding]:
             "the digest of the submission is not that of what was submitted",
         ),
         shown,
-        (each for each in shown if canonical_sha256(each.submitted or {}) != each.submission),
+        (each for each in shown if digest_of(each.submitted or {}) != each.submission),
     )
     if len(shown) < len(entries):
         hidden = len(entries) - len(shown)

@@ -5,19 +5,19 @@ memory, whatever is in the file: sizes, counts and depth are limited, and what d
 refused with a sentence that says where.
 """
 
-import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from enum import StrEnum
 from typing import Any, TypeVar
 
+from seamark.competitions.document import RoundKind, digest_of
 from seamark.competitions.standings import Placing, Ties
 
 FORMAT = "seamark competition audit 1"
 BYTES_MAX = 32 * 2**20  # of the file: 20,000 runs of 24 trials have about 16 MiB
 ROUNDS_MAX = 100
+MOVES_MAX = 1000
 ENTRIES_MAX = 50_000
 TRIALS_MAX = 1000  # of a run
 TEXT_MAX = 500  # [character]
@@ -31,12 +31,14 @@ class AuditInvalid(Exception):
     """A document cannot be read; the text says where and why."""
 
 
-class RoundKind(StrEnum):
-    """What a round is for."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Move:
+    """A later end of a round, or beginning of a final, than was announced before."""
 
-    PRACTICE = "practice"
-    QUALIFICATION = "qualification"
-    FINAL = "final"
+    at: float  # when it was announced
+    before: float
+    after: float
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +55,7 @@ class Round:
     block: int  # RankedProtocol.block
     looks: int  # the largest number of batches; 1 unless it is a final
     ties: Ties
+    moves: Sequence[Move]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,17 +93,11 @@ class Audit:
     competition: str  # its name
     title: str
     benchmark: str  # the base
-    frozen: Mapping[str, Any]  # the benchmark as the organiser froze it
+    frozen: Mapping[str, Any]  # CompetitionDocument.canonical
     frozen_sha256: str
     rounds: Sequence[Round]
     entries: Sequence[Entry]
     standings: Decision | None  # of the final; None before its end
-
-
-def canonical_sha256(document: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of a JSON object: in ASCII, with sorted names and without spaces."""
-    text = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def as_document(audit: Audit) -> dict[str, Any]:
@@ -176,10 +173,27 @@ def _round(fields: "_Fields") -> Round:
         block=fields.whole("block", 1, TRIALS_MAX),
         looks=fields.whole("looks", 1, TRIALS_MAX),
         ties=fields.one_of("ties", Ties),
+        moves=[
+            _move(_Fields(each, f"{fields.where}, move {at}"))
+            for at, each in enumerate(fields.list("moves", MOVES_MAX), 1)
+        ],
     )
     fields.end()
+    if read.kind is RoundKind.CHECK:
+        raise AuditInvalid(f"{fields.where}: the check of a draft belongs to no audit")
     if read.trials % read.block:
         raise AuditInvalid(f"{fields.where}: {read.trials} trials are no blocks of {read.block}")
+    return read
+
+
+def _move(fields: "_Fields") -> Move:
+    read = Move(
+        at=fields.number("at"),
+        before=fields.number("before"),
+        after=fields.number("after"),
+        reason=fields.text("reason"),
+    )
+    fields.end()
     return read
 
 
@@ -339,7 +353,7 @@ class _Fields:
         if _depth(value) > DEPTH_MAX:
             self._refuse(name, f"nested more than {DEPTH_MAX} deep")
         try:
-            canonical_sha256(value)
+            digest_of(value)
         except (ValueError, TypeError):  # 1e999 is infinite; an object of Python may hold anything
             self._refuse(name, "no object of JSON")
         return dict(value)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.statistics import CONFIDENCE, block_means, mean, standard_error
+from seamark.sim.numerics.statistics import CONFIDENCE, block_means, mean, mean_interval
 from seamark.sim.numerics.student_t import quantile
 
 _ROUNDING = 1e-12  # of the largest score: smaller differences are errors of rounding
@@ -54,7 +54,9 @@ class Placing:
     place_low: int | None = None  # the best rank that is possible
     place_high: int | None = None
     score: float | None = None
-    score_low: float | None = None  # also None if there are fewer than two blocks of trials
+    # The 95 % interval of a score as everywhere: no place depends on it. Also None if there are
+    # fewer than two blocks of trials.
+    score_low: float | None = None
     score_high: float | None = None
 
 
@@ -95,7 +97,7 @@ def decide(finalists: Sequence[Finalist], *, block: int, looks: int, ties: Ties)
     ran = [one for one in finalists if one.scores is not None]
     scores = [mean(one.scores or ()) for one in ran]
     means = [block_means(one.scores or (), block) for one in ran]
-    intervals = [_interval(*each, looks) for each in zip(scores, means, strict=True)]
+    intervals = [mean_interval(one.scores or (), block=block) or (None, None) for one in ran]
     better, separated = _compared(means, looks)
     low = 1 + np.sum(better, axis=0)  # better[i, j]: i is better than j
     high = len(ran) - np.sum(better, axis=1)
@@ -176,12 +178,3 @@ def _compared(means: list[list[float]], looks: int) -> tuple[NDArray[np.bool_], 
 
 def _sums(rows: Array) -> Array:
     return np.array([math.fsum(row) for row in rows.tolist()])
-
-
-def _interval(score: float, means: list[float], looks: int) -> tuple[float | None, float | None]:
-    """Return the 95 % interval of a score, whose error is divided among the looks as well."""
-    if len(means) < 2:
-        return None, None
-    critical = quantile(0.5 * (1.0 - CONFIDENCE) / looks, len(means) - 1.0)
-    margin = critical * standard_error(means)
-    return score - margin, score + margin

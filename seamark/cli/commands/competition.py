@@ -28,9 +28,10 @@ def competition() -> None:
 def audit(*, file: Path, as_json: bool) -> None:
     """Compute anew what follows from the audit FILE of a competition, and say what is wrong.
 
-    That is the SHA-256 of its frozen benchmark, the commitments of the revealed keys, the seed of
-    each run, the means of all scores, and the standings of the final. Compare the commitments that
-    it prints with those that were published before the rounds. Exit code 1: something is wrong.
+    That is the SHA-256 of its frozen document, whether rounds and rules are those in it, the
+    commitments of the revealed keys, the seed of each run, the means of all scores, and the
+    standings of the final. Compare the commitments that it prints with those that were published
+    before the rounds. Exit code 1: something is wrong.
 
     \b
     Examples:

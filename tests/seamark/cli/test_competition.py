@@ -33,8 +33,8 @@ def test_what_is_wrong_is_printed_with_exit_code_1(tmp_path: Path) -> None:
     result = audited(tmp_path, changed(frozen_sha256="0" * 64))
 
     assert result.exit_code == 1
-    assert result.stdout.startswith("problem The frozen benchmark does not have the SHA-256")
-    assert "\n1 of 17 checks found something wrong; see above.\n" in result.stdout
+    assert result.stdout.startswith("problem The frozen document does not have the SHA-256")
+    assert "\n1 of 18 checks found something wrong; see above.\n" in result.stdout
 
 
 def test_warnings_alone_leave_a_file_sound(tmp_path: Path) -> None:

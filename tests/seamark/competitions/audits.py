@@ -1,6 +1,7 @@
 """A small competition and its audit document, in which everything is right."""
 
 from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from seamark.competitions.audit_document import (
@@ -8,18 +9,18 @@ from seamark.competitions.audit_document import (
     Decision,
     Entry,
     Round,
-    RoundKind,
     as_document,
-    canonical_sha256,
 )
+from seamark.competitions.document import RoundKind, digest_of
+from seamark.competitions.document import read as read_document
 from seamark.competitions.keys import commitment, final_label, round_key, seed
 from seamark.competitions.standings import Finalist, Ties, decide
 from seamark.sim.numerics.statistics import mean
 
-NAME = "reef"
+NAME = "reef-v1"
 TRIALS, BATCHES = 6, 2
-FROZEN = {"benchmark": "currents-v3", "settings": {"levels": [0.1, 0.5], "trials": TRIALS}}
 KINDS = (RoundKind.PRACTICE, RoundKind.QUALIFICATION, RoundKind.FINAL)
+LENGTH_S = 999.0
 # Of each finalist in two batches: the first two are apart only after the second batch.
 FINAL = {
     21: ([0.50, 0.61, 0.52, 0.65, 0.55, 0.50], [0.51, 0.60, 0.53, 0.64, 0.54, 0.52]),
@@ -29,19 +30,38 @@ FINAL = {
 }
 
 
+def frozen() -> dict[str, Any]:
+    """Return the document of a competition whose rounds begin 1000, 2000 and 3000 s after 1970."""
+    opens = [datetime.fromtimestamp(1000.0 * number, UTC) for number in (1, 2, 3)]
+    rounds = [
+        {"kind": kind, "opens": at, "closes": at + timedelta(seconds=LENGTH_S), "trials": TRIALS}
+        for kind, at in zip(KINDS[:2], opens[:2], strict=True)
+    ]
+    final = {"kind": KINDS[2], "opens": opens[2], "trials": TRIALS, "batches": 5}
+    asked = {
+        "name": NAME,
+        "title": "A reef in a current",
+        "benchmark": "currents-v1",
+        "settings": {"levels": [0.0, 0.2]},
+        "rounds": [*rounds, final],
+    }
+    return read_document(asked).canonical()
+
+
 def round_of(number: int) -> Round:
     key = round_key(b"secret", NAME, number)
     return Round(
         number=number,
         kind=KINDS[number - 1],
         opens_at=1000.0 * number,
-        closes_at=1000.0 * number + 999.0,
+        closes_at=None if number == 3 else 1000.0 * number + LENGTH_S,
         commitment=commitment(key),
         key=key.hex(),
         trials=TRIALS,
         block=1,
         looks=5 if number == 3 else 1,
         ties=Ties.EARLIER,
+        moves=[],
     )
 
 
@@ -54,8 +74,8 @@ def entry(
     team: str | None = "",
 ) -> Entry:
     """Return a run; of a team that is named after the key, unless it is a reference entry."""
-    submitted = {"benchmark": NAME, "configuration": {"kp": key}, "program": f"{key:064x}"}
-    submission = canonical_sha256(submitted)
+    submitted = {"benchmark": "currents-v1", "configuration": {"kp": key}, "program": f"{key:064x}"}
+    submission = digest_of(submitted)
     return Entry(
         round=number,
         key=key,
@@ -99,9 +119,9 @@ def small() -> Audit:
     return Audit(
         competition=NAME,
         title="A reef in a current",
-        benchmark="currents-v3",
-        frozen=FROZEN,
-        frozen_sha256=canonical_sha256(FROZEN),
+        benchmark="currents-v1",
+        frozen=frozen(),
+        frozen_sha256=digest_of(frozen()),
         rounds=[round_of(number) for number in (1, 2, 3)],
         entries=[entry(1, 1, scores), entry(2, 21, scores), entry(2, 24, None), *final, *marks],
         standings=Decision(

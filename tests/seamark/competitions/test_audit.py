@@ -17,7 +17,7 @@ from tests.seamark.competitions.audits import document, small
 
 Path = tuple[str | int, ...]
 # What follows from nothing else in the document: what the service says.
-STATED = {"title", "benchmark", "method", "run", "digest"}
+STATED = {"method", "run", "digest"}
 DOCUMENT = json.loads(json.dumps(document()))  # as in a file
 
 
@@ -61,7 +61,7 @@ def other(value: Any) -> Any:
     if isinstance(value, bool) or value is None:
         return not value if isinstance(value, bool) else 1
     if isinstance(value, str):
-        turned = value[:-1] + ("0" if value[-1] != "0" else "1")
+        turned = value[:-1] + ("0" if value[-1:] != "0" else "1")
         return choices.get(value, turned)
     return value + 1
 
@@ -94,28 +94,22 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
     unnoticed = {path for path in leaves(DOCUMENT) if not found(path)}
 
     left = {path for path in unnoticed if path[-1] not in STATED}
-    of_rounds = {path[1:] for path in left if path[0] == "rounds"}
-    of_entries = {path[1:] for path in left if path[0] == "entries"}
-    assert {path[0] for path in left} == {"rounds", "entries"}
-    # All runs are in time, and all finalists apart, whatever becomes of ties.
-    assert {path[1] for path in of_rounds if path[0] == 2} == {"opens_at", "closes_at", "ties"}
-    # Nothing is decided in the other rounds, and marks have no place.
-    no_decision = {"kind", "block", "looks"}
-    assert {path[1] for path in of_rounds} == {"opens_at", "closes_at", "ties", *no_decision}
-    assert {path[1] for path in of_entries} == {"key", "team", "submitted_at"}
+    # Outside the final nothing is decided: who submitted, and when, if the round was open.
+    assert {path[0] for path in left} == {"entries"}
+    assert {path[-1] for path in left} == {"key", "team", "submitted_at"}
     finalists = [
         at
         for at, entry in enumerate(DOCUMENT["entries"])
         if entry["round"] == 3 and entry["team"] is not None
     ]
-    assert not {path[0] for path in of_entries} & set(finalists)
+    assert not {path[1] for path in left} & set(finalists)
 
 
 @pytest.mark.parametrize(
     ("path", "value", "sentence"),
     [
-        (("frozen", "settings", "levels", 0), 0.2, "frozen benchmark does not have the SHA-256"),
-        (("frozen_sha256",), "0" * 64, "frozen benchmark does not have the SHA-256"),
+        (("frozen", "settings", "levels", 0), 0.1, "frozen document does not have the SHA-256"),
+        (("frozen_sha256",), "0" * 64, "frozen document does not have the SHA-256"),
         (("rounds", 1, "key"), "0" * 64, "Round 2 (qualification): its key does not belong"),
         (("rounds", 1, "commitment"), "0" * 64, "(qualification): its key does not belong"),
         (("competition",), "wreck", "in 10 of 10 runs, the seed does not follow"),
@@ -133,7 +127,19 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
         (("entries", 1, "submitted_at"), 5000.0, "in 1 of 2 runs, the round was not open"),
         (("rounds", 1, "opens_at"), 2600.0, "in 2 of 2 runs, the round was not open"),
         (("rounds", 2, "looks"), 1, "it had 2 batches, of at most 1"),
-        (("rounds", 2, "looks"), 500, "places, ranges or scores do not follow"),
+        (("rounds", 2, "looks"), 9, "Not as in the frozen document: looks of round 3."),
+        (("rounds", 2, "ties"), "shared", "Not as in the frozen document: ties of round 3."),
+        (("rounds", 1, "block"), 2, "Not as in the frozen document: block of round 2."),
+        (("rounds", 1, "trials"), 7, "Not as in the frozen document: trials of round 2."),
+        (("rounds", 1, "kind"), "practice", "Not as in the frozen document: kind of round 2."),
+        (("title",), "Another", "Not as in the frozen document: title."),
+        (("benchmark",), "currents-v2", "Not as in the frozen document: benchmark."),
+        (("frozen", "rounds"), [], "none that this version of Seamark can read"),
+        (("frozen", "rounds", 0, "opens"), "0001-01-01T00:00:00", "none that this version of"),
+        (("frozen", "rounds", 0, "opens"), "0001-01-01T00:00:00+14:00", "none that this version"),
+        (("rounds", 0, "opens_at"), 900.0, "Round 1 (practice): it was not at the time of the"),
+        (("rounds", 1, "closes_at"), 9000.0, "Round 2 (qualification): it was not at the time"),
+        (("rounds", 2, "opens_at"), 4000.0, "Round 3 (final): it was not at the time"),
         (("standings", "batches"), 1, "finalist 21 has a run after the last batch, 1"),
         (("standings", "batches"), 3, "finalist 21 has no run in batch 3"),
         (("standings", "separated"), False, "after 2 batches its ranks are separated"),
@@ -228,6 +234,17 @@ def test_a_round_whose_key_is_not_revealed_is_said() -> None:
     assert problems(changed(("rounds", 2, "key"), None)) == []
 
 
+def test_a_round_that_was_moved_is_said_with_the_reason() -> None:
+    move = {"at": 1500.0, "before": 2999.0, "after": 10199.0, "reason": "A storm."}
+    moved = changed(("rounds", 1), DOCUMENT["rounds"][1] | {"closes_at": 10199.0, "moves": [move]})
+
+    assert problems(moved) == []
+    assert warnings(moved) == [
+        "Round 2 (qualification): it was moved after the competition had opened, by 2 hours: "
+        "A storm."
+    ]
+
+
 def test_what_was_submitted_may_be_hidden_but_that_is_said() -> None:
     assert warnings(changed(("entries", 0, "submitted"), None)) == [
         "Round 1 (practice): 1 run does not show what was submitted, so the digest of the "
@@ -244,7 +261,10 @@ def test_standings_without_a_final_are_found() -> None:
     alone["rounds"].pop()
     alone["entries"] = [entry for entry in alone["entries"] if entry["round"] != 3]
 
-    assert problems(alone) == ["There are standings of a final, but no final."]
+    assert problems(alone) == [
+        "The rounds are not those of the frozen document.",
+        "There are standings of a final, but no final.",
+    ]
 
 
 def test_many_wrong_runs_are_counted_and_not_all_named() -> None:
@@ -301,7 +321,11 @@ def test_a_value_of_another_type_is_refused_or_found(path: Path) -> None:
         (lambda d: d.update(rounds=d["rounds"] * 40), "rounds is no list of at most 100 items"),
         (lambda d: d.update(rounds=d["rounds"] * 2), "two rounds have the same number"),
         (lambda d: d["rounds"][0].update(kind="final"), "more than one final"),
-        (lambda d: d["rounds"][0].update(kind="other"), "round 1: kind is none of practice, "),
+        (
+            lambda d: d["rounds"][0].update(kind="other"),
+            "round 1: kind is none of check, practice, ",
+        ),
+        (lambda d: d["rounds"][0].update(kind="check"), "the check of a draft belongs to no audit"),
         (lambda d: d["rounds"][0].update(key="ABCD"), "round 1: key is not 64"),
         (lambda d: d["rounds"][0].update(block=4), "6 trials are no blocks of 4"),
         (lambda d: d["rounds"][0].update(trials=True), "trials is no whole number from 1 to 1000"),
