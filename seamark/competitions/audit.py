@@ -67,7 +67,7 @@ def _plan(audit: Audit) -> Iterator[Finding]:
     try:
         frozen = CompetitionDocument.restore(audit.frozen)
         times = [_times(plan) for plan in frozen.rounds]
-    except (ValueError, OverflowError):  # of pydantic; a time before all calendars
+    except ValueError:  # also of pydantic
         yield _problem("The frozen document is none that this version of Seamark can read.")
         return
     differing = [
