@@ -22,7 +22,7 @@ from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Best
 from seamark.server.runs.leaderboard import leaderboard, leaderboard_filters, score_counts
-from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.leaderboard.leaderboard_filters import ONLY, BoardFilter
 from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Estimate, Population

@@ -28,7 +28,7 @@ from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.queue import lost_attempts
 from seamark.server.runs.queue import queue as run_queue
 from seamark.server.runs.record.states import RunState

@@ -64,6 +64,7 @@ _MORE = (
     "/api/v1/runs?which=all&limit=200&after={run}",
     "/api/v1/leaderboards/currents-v2?limit=500",
     "/leaderboards/currents-v2?after={half}",
+    "/leaderboards/currents-v2?per=method&after={half}",
     "/leaderboards/currents-v2?language=python&after={half}",
     "/leaderboards/currents-v2?baselines=only",
     "/leaderboards/currents-v2?sort=power_share",

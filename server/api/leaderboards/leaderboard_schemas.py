@@ -9,7 +9,7 @@ from pydantic import Field, create_model
 from seamark.server.api.requests.query import Query
 from seamark.server.api.requests.schemas import ResponseModel
 from seamark.server.api.runs.publication_schemas import VerificationResponse
-from seamark.server.runs.leaderboard.leaderboard import COLUMNS
+from seamark.server.runs.leaderboard.board_rows import COLUMNS
 from seamark.server.runs.leaderboard.leaderboard_filters import SORTED_MAX
 from seamark.server.runs.leaderboard.per import Per
 

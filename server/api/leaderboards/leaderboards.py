@@ -22,7 +22,7 @@ from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
 from seamark.server.runs.leaderboard import leaderboard_filters, reference_entries
-from seamark.server.runs.leaderboard.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard.board_rows import Cursor, Rank
 from seamark.server.runs.leaderboard.leaderboard_filters import BoardFilter, BoardPage
 from seamark.server.runs.recomputation import verifications
 from seamark.server.runs.recomputation.verifications import VerificationView

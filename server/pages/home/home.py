@@ -12,7 +12,7 @@ from seamark.server.messaging import workers
 from seamark.server.pages.home import demo
 from seamark.server.pages.previews import link_previews
 from seamark.server.runs.leaderboard import leaderboard, reference_entries
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
 from seamark.server.runs.record import totals
 from seamark.server.runs.record.states import LIVE, RunState

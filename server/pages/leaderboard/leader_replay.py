@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.data.files import RunFiles
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web.services import services

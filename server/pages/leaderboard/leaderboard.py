@@ -20,7 +20,8 @@ from seamark.server.runs.leaderboard import (
     reference_entries,
     score_counts,
 )
-from seamark.server.runs.leaderboard.leaderboard import Cursor, Kind, Rank
+from seamark.server.runs.leaderboard.board_rows import Cursor, Rank
+from seamark.server.runs.leaderboard.leaderboard import Kind
 from seamark.server.runs.leaderboard.leaderboard_filters import (
     BUILT_IN,
     HIDE,

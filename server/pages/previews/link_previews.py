@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from flask import url_for
 
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.record.qualifier import qualifier
 from seamark.server.runs.record.solutions import entry_name
 from seamark.server.runs.showing.views import RunView

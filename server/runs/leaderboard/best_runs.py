@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, BestMethod, BoardRow, Result, Run, User
 from seamark.server.runs.leaderboard import leaderboard, rank_history, score_counts
+from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.record import method_names, solutions
 from seamark.server.runs.record.states import RunKind, RunState, ranked_ended
@@ -117,7 +118,7 @@ def _record_rank(session: Session, benchmark: str, user_id: int) -> None:
     if best is None:
         rank_history.record(session, user_id, benchmark, rank=None, score=None)
     elif not best.is_baseline and not _is_anonymous(session, best):
-        here = leaderboard.Cursor(best.score, best.reached_at, best.run_id)
+        here = Cursor(best.score, best.reached_at, best.run_id)
         number = leaderboard.count_down_to(session, benchmark, here)
         rank_history.record(session, user_id, benchmark, rank=number, score=best.score)
 

@@ -11,7 +11,8 @@ from typing import Protocol, TypeVar
 from sqlalchemy.orm import Session
 
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.leaderboard import Cursor, Key, Kind, Rank
+from seamark.server.runs.leaderboard.board_rows import Cursor, Rank
+from seamark.server.runs.leaderboard.leaderboard import Key, Kind
 from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.leaderboard.ranking import Population
 from seamark.sim.metrics.metric import Metric

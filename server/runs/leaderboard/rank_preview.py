@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Best, Result, Run, User
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.record.states import RunKind, RunState
 
 

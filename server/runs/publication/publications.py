@@ -1,7 +1,8 @@
 """Publishing runs, on which terms, withdrawing them, and showing later who made them.
 
-A leaderboard has one row for each user. So the ranked runs of a user in a benchmark are either all
-published by name or all for review: a row that replaces another one would show whose it is.
+A leaderboard has one row for each user, or for each of their methods. So the ranked runs of a user
+in a benchmark are either all published by name or all for review: a row that replaces another one
+would show whose it is.
 """
 
 import time

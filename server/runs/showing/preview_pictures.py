@@ -16,7 +16,7 @@ from seamark import templates
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.programs import vehicles
 from seamark.server.runs.data import stored_files
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.record.solutions import entry_name, team
 from seamark.server.runs.showing import camera_view, overlaid_series
 from seamark.server.runs.showing.compared_curves import compared_curves

@@ -12,7 +12,7 @@ from seamark.server.accounts.profiles import Profile
 from seamark.server.database.publication_tables import RankPoint
 from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import leaderboard, rank_history, score_counts
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.showing import run_lists
 from seamark.server.runs.showing.run_lists import ListCursor, RunFilter, RunPage
 from seamark.sim import registry

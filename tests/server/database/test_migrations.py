@@ -11,7 +11,7 @@ from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
 from seamark.server.database.tables import Base, User
 from seamark.server.messaging import workers
 from seamark.server.runs.leaderboard import best_runs, leaderboard
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.record.solutions import entry_name
 from tests.cast import Backend

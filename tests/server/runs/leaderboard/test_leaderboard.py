@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from seamark.server.database.publication_tables import ScoreCount
 from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import best_runs, leaderboard, score_counts
-from seamark.server.runs.leaderboard.leaderboard import Cursor
+from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.publication import publications
 from seamark.server.runs.publication.publications import Terms

@@ -12,7 +12,7 @@ from seamark.server.runs.leaderboard import (
     leaderboard_filters,
     rank_history,
 )
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.leaderboard.leaderboard_filters import BoardFilter
 from seamark.server.runs.publication import publications
 from seamark.server.runs.publication.publications import Terms

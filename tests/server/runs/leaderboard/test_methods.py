@@ -18,7 +18,7 @@ from seamark.server.runs.leaderboard import (
     leaderboard_filters,
     score_counts,
 )
-from seamark.server.runs.leaderboard.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard.board_rows import Cursor, Rank
 from seamark.server.runs.leaderboard.leaderboard_filters import BoardFilter
 from seamark.server.runs.leaderboard.per import Per
 from seamark.server.runs.publication import publications

@@ -5,7 +5,7 @@ from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.tables import User
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.leaderboard import leaderboard, rank_history
-from seamark.server.runs.leaderboard.leaderboard import Rank
+from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.publication import publications
 from seamark.server.runs.publication.publications import PublicationRefused, Terms
 from seamark.server.runs.record.states import RunState
