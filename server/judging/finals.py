@@ -6,7 +6,7 @@ or done twice when a process dies in between.
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -89,8 +89,8 @@ def _advance_final(
         raise RuntimeError(f"{competition.name} has no final")
     if _is_live(session, one):
         return 0
-    if again := _broken(session, one):
-        return _repeat(session, competition, one, again, settings)
+    if queued := _repeat_broken(session, competition, one, settings):
+        return queued
     if one.batches:
         decided = _results(session, competition, one)
         table = _table(competition, plan, decided)
@@ -205,24 +205,20 @@ def _broken(session: Session, one: RoundView) -> list[Entry]:
     return list(session.scalars(query))
 
 
-def _repeat(
-    session: Session,
-    competition: CompetitionView,
-    one: RoundView,
-    again: Iterable[Entry],
-    settings: Settings,
+def _repeat_broken(
+    session: Session, competition: CompetitionView, one: RoundView, settings: Settings
 ) -> int:
-    """Evaluate entries once more, on the same trials; whatever breaks too often has failed."""
+    """Evaluate what broke once more, on the same trials; what breaks too often has failed."""
     count = 0
-    for entry in again:
+    for entry in _broken(session, one):
         same = (Entry.round_id == one.id, Entry.batch == entry.batch)
         tries = select(func.count()).where(*same, Entry.carried == entry.carried)
-        entry.withdrawn_at = time.time()
         if (session.scalar(tries) or 0) < ATTEMPTS_MAX:
+            entry.withdrawn_at = time.time()
             _enqueue(session, competition, one, entry.carried or 0, entry.batch, settings)
             count += 1
         else:
-            entry.withdrawn_at, entry.refusal = None, "The service could not evaluate it."
+            entry.refusal = "The service could not evaluate it."
             _log.error("final_entry_broken", competition=competition.name, run=entry.run_id)
     turns.refresh(session, owner_of(competition.id))
     return count

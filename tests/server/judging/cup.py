@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import select, update
+from sqlalchemy.orm import Session
 
 from seamark.competitions import document
 from seamark.competitions.document import CompetitionDocument
@@ -21,7 +22,7 @@ from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.submission import submission, validation
-from seamark.server.runs.submission.validation import Submission
+from seamark.server.runs.submission.validation import Submission, ValidSubmission
 from tests.cast import PI_RUN, Backend
 
 NAME = "harbour-cup-v1"
@@ -137,8 +138,13 @@ class Cup:
             sent = entries.for_competition(
                 session, self.view.name, method, Submission(**wanted), backend.settings
             )
-            valid = validation.validate(sent, backend.settings)
-            return submission.submit(session, valid, backend.settings)
+            return self.insert(session, self.validated(sent))
+
+    def validated(self, sent: Submission) -> ValidSubmission:
+        return validation.validate(sent, self.backend.settings)
+
+    def insert(self, session: Session, valid: ValidSubmission) -> int:
+        return submission.submit(session, valid, self.backend.settings)
 
     def entered(self, who: str, scores: Sequence[float], method: str = "PI", **changes: Any) -> int:
         """Submit, and let a worker find these scores."""
