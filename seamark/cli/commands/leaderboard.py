@@ -21,9 +21,7 @@ SHIPPED = "Reference entries that Seamark ships"
 @click.option(
     "--per",
     type=click.Choice(["person", "method"]),
-    default="person",
-    show_default=True,
-    help="One row for each person, or for each named method of a person.",
+    help="One row for each person, or for each named method of a person.  [default: person]",
 )
 @click.option("--program", type=click.Choice(["uploaded", "built-in"]), help="Kind of program.")
 @click.option("--language", help="Language of uploaded programs.")

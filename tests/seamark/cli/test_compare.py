@@ -85,6 +85,22 @@ def test_leaderboard_prints_the_rows_of_the_page(backend: Backend) -> None:
 
 
 @pytest.mark.slow
+def test_leaderboard_prints_each_method_if_asked_to(backend: Backend) -> None:
+    for title in ("Observer", "Sliding mode"):
+        backend.published("eva", kind="ranked", title=title)
+    arguments = ["leaderboard", "currents-v1", "--baselines", "hide"]
+
+    people, methods = (
+        CliRunner().invoke(cli, [*arguments, *more], prog_name="seamark").output
+        for more in ([], ["--per", "method"])
+    )
+
+    assert (people.count("eva"), methods.count("eva")) == (1, 2)
+    assert "Sliding mode" not in people
+    assert "Sliding mode" in methods
+
+
+@pytest.mark.slow
 def test_folders_are_compared_as_their_runs_would_be_on_a_server(results: Path) -> None:
     folders = [str(results / name) for name in ("p", "pi")]
 
