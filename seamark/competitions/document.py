@@ -331,4 +331,4 @@ def _broken_times(rounds: Sequence[Round | Final]) -> Iterator[tuple[str, str]]:
 
 
 def _utc_text(time: datetime) -> str:
-    return time.astimezone(UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
+    return time.astimezone(UTC).isoformat().replace("+00:00", "Z")

@@ -81,6 +81,14 @@ def advance(session: Session, competition_id: int, settings: Settings) -> int:
     return 0
 
 
+def standings_of(session: Session, competition: CompetitionView) -> Standings | None:
+    """Return the standings after the batches so far; None without a final that has begun."""
+    one, plan = competition.final, competition.document.final
+    if one is None or plan is None or not one.batches:
+        return None
+    return _table(competition, plan, _results(session, competition, one))
+
+
 def _advance_final(
     session: Session, competition: CompetitionView, one: RoundView, settings: Settings
 ) -> int:

@@ -133,7 +133,13 @@ def submission_digest(run: Seeded) -> str:
     The same submission always has the same digest; any change to one of its programs or to its
     configuration gives another one.
     """
-    submitted = {
+    text = json.dumps(submitted(run), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def submitted(run: Seeded) -> dict[str, Any]:
+    """Return what the digest of a submission is over."""
+    values: dict[str, Any] = {
         "benchmark": run.benchmark,
         "configuration": dict(run.config),
         "controller": run.controller,
@@ -141,6 +147,5 @@ def submission_digest(run: Seeded) -> str:
         "program": run.program_sha256,
     }
     if run.parts:
-        submitted["parts"] = {part.role: [part.language, part.program_sha256] for part in run.parts}
-    text = json.dumps(submitted, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+        values["parts"] = {part.role: [part.language, part.program_sha256] for part in run.parts}
+    return values

@@ -14,7 +14,7 @@ from seamark.competitions.document import CompetitionDocument
 from seamark.programs.failure_reasons import FailureReason
 from seamark.server.competitions import competitions, teams
 from seamark.server.competitions.competitions import CompetitionView
-from seamark.server.database.competition_tables import Entry, Round
+from seamark.server.database.competition_tables import Competition, Entry, Round
 from seamark.server.database.tables import Run
 from seamark.server.judging import boards, check, entries, finals
 from seamark.server.judging.boards import Board
@@ -118,6 +118,20 @@ class Cup:
         with self.backend.database.writing() as session:
             session.execute(update(Round).where(*which).values(**at))
 
+    def freeze_again(self) -> None:
+        """Let the document have had the times that rounds have, as if no clock had moved."""
+        view = self.view
+        document = view.document.canonical()
+        for one in view.rounds:
+            plan = document["rounds"][one.number - 1]
+            plan["opens"] = datetime.fromtimestamp(one.opens_at, UTC).isoformat()
+            if one.closes_at is not None:
+                plan["closes"] = datetime.fromtimestamp(one.closes_at, UTC).isoformat()
+        again = CompetitionDocument.restore(document)
+        values = {"document": again.canonical(), "digest": again.digest()}
+        with self.backend.database.writing() as session:
+            session.execute(update(Competition).where(Competition.id == self.id).values(**values))
+
     def team(self, *who: str, name: str = "") -> int:
         """Make a team of people of the cast, the first of whom is its captain."""
         with self.backend.database.writing() as session:
@@ -201,8 +215,8 @@ class Cup:
             return boards.board(session, view, view.rounds[number - 1], by_method=by_method)
 
     def close_qualification(self) -> None:
-        self.shift(PRACTICE, closes_in_s=-10.0)
-        self.shift(QUALIFICATION, closes_in_s=-5.0)
+        self.shift(PRACTICE, closes_in_s=0.0)
+        self.shift(QUALIFICATION, closes_in_s=0.0)
 
     def begin_final(self) -> list[int]:
         """Close the qualification, begin the final, and return the runs of its first batch."""

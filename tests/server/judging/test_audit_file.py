@@ -1,0 +1,81 @@
+"""The audit file of a competition proves by itself how it was decided."""
+
+import copy
+import json
+from typing import Any
+
+from seamark.competitions import audit
+from seamark.competitions.findings import Level
+from seamark.server.judging import audit_file
+from tests.cast import Backend
+from tests.server.judging.cup import FINAL, QUALIFICATION, Cup
+from tests.server.judging.test_finals import APART, MIXED, SAME
+
+
+def document_of(cup: Cup) -> dict[str, Any]:
+    cup.freeze_again()
+    view = cup.view
+    with cup.backend.database.reading() as session:
+        made = audit_file.audit_of(session, view)
+    restored: dict[str, Any] = json.loads(json.dumps(made))
+    return restored
+
+
+def problems(document: dict[str, Any]) -> list[str]:
+    return [one.sentence for one in audit.verify(document) if one.level is Level.PROBLEM]
+
+
+def played(backend: Backend) -> Cup:
+    cup = Cup.opened(backend, programs="public")
+    cup.team("ann")
+    cup.team("eva")
+    cup.team("ben")
+    cup.entered("ann", SAME, "PI")
+    cup.entered("eva", SAME, "MPC", config={"kp": 0.7})
+    cup.fail(cup.submit("ben", "Broken"))
+    cup.begin_final()
+    for _ in range(2):
+        cup.play_batch({"PI": APART, "MPC": MIXED})
+        cup.advance()
+    return cup
+
+
+def test_the_audit_of_a_decided_competition_holds(both: Backend) -> None:
+    document = document_of(played(both))
+
+    assert problems(document) == []
+    assert document["standings"]["batches"] == 2
+    assert {entry["team"] for entry in document["entries"]} >= {"Team ann", None}
+
+
+def test_another_score_in_the_audit_is_found(backend: Backend) -> None:
+    document = document_of(played(backend))
+    changed = copy.deepcopy(document)
+    final = [one for one in changed["entries"] if one["round"] == FINAL and one["team"]]
+    final[0]["scores"][0] += 50.0
+
+    assert problems(changed)
+
+
+def test_a_round_that_is_not_decided_shows_no_entry_and_no_key(backend: Backend) -> None:
+    cup = Cup.opened(backend)
+    cup.team("ann")
+    cup.entered("ann", SAME, "PI")
+    document = document_of(cup)
+
+    assert document["entries"] == []
+    assert [one["key"] for one in document["rounds"][1:]] == [None, None]
+    assert problems(document) == []
+
+
+def test_programs_that_the_rules_hide_are_there_by_their_digest_alone(backend: Backend) -> None:
+    cup = Cup.opened(backend)
+    cup.team("ann")
+    cup.entered("ann", SAME, "PI")
+    cup.close_qualification()
+    for _ in range(2):
+        cup.advance()
+
+    (entry,) = [one for one in document_of(cup)["entries"] if one["round"] == QUALIFICATION]
+    assert entry["submitted"] is None
+    assert len(entry["submission"]) == 64
