@@ -24,8 +24,13 @@ def competition() -> None:
 
 @competition.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--recompute",
+    is_flag=True,
+    help="Also compute the runs of built-in solutions again: minutes for each.",
+)
 @json_option
-def audit(*, file: Path, as_json: bool) -> None:
+def audit(*, file: Path, recompute: bool, as_json: bool) -> None:
     """Compute anew what follows from the audit FILE of a competition, and say what is wrong.
 
     That is the SHA-256 of its frozen document, whether rounds and rules are those in it, the
@@ -36,11 +41,17 @@ def audit(*, file: Path, as_json: bool) -> None:
     \b
     Examples:
       seamark competition audit audit.json
-      seamark competition audit audit.json --json
+      seamark competition audit audit.json --recompute
     """
     from seamark.competitions.findings import Level
 
-    findings = _checked(file, _read(file))
+    document = _read(file)
+    findings = _checked(file, document)
+    if recompute:
+        from seamark.cli.competition_runs import recomputed
+        from seamark.competitions.audit_document import read
+
+        findings += recomputed(read(document), quiet=as_json)
     problems = sum(finding.level == Level.PROBLEM for finding in findings)
     if as_json:
         told = [{"level": each.level, "sentence": each.sentence} for each in findings]
@@ -72,9 +83,11 @@ def _checked(file: Path, document: dict[str, Any]) -> list[Finding]:
 
 
 def _show(findings: list[Finding], problems: int) -> None:
+    from seamark.sandbox.printable_text import printable_text
+
     for finding in findings:
         mark = click.style(f"{finding.level:<7}", fg=_COLOURS[finding.level])
-        click.echo(f"{mark} {finding.sentence}")
+        click.echo(f"{mark} {printable_text(finding.sentence)}")
     click.echo("")
     if problems:
         click.echo(f"{problems} of {len(findings)} checks found something wrong; see above.")

@@ -9,6 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from seamark.competitions.document import Programs, RoundKind
+from seamark.competitions.scores import trial_scores
 from seamark.server.database.competition_tables import (
     Competition,
     Entry,
@@ -19,8 +20,7 @@ from seamark.server.database.competition_tables import (
 from seamark.server.database.tables import Run
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.record.trial_scores import block_of
-from seamark.sim import registry
-from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
+from seamark.sim.metrics.score_expression import ExpressionInvalid
 from seamark.sim.numerics.statistics import block_means, mean, mean_interval, standard_error
 
 # Of the trials: may break a rule without barring the entry; E, as for ranked runs
@@ -122,9 +122,8 @@ def score(benchmark: str, config: Mapping[str, Any], metrics: Mapping[str, Any])
     if len(broken) > EXCUSED_SHARE * len(trials):
         why = metrics.get("not_ranked") or "A rule of the benchmark is broken."
         return EntryScore(refusal=f"{why} So in {len(broken)} of {len(trials)} trials.")
-    expression = registry.benchmark(benchmark).restore(config).custom_score()
     try:
-        scores = [_trial_score(expression, trial) for trial in trials]
+        scores = trial_scores(benchmark, config, trials)
     except ExpressionInvalid as error:
         return EntryScore(refusal=f"The score of the competition has no value: {error}")
     if not scores or not all(map(math.isfinite, scores)):
@@ -147,10 +146,3 @@ def summary(benchmark: str, scores: Sequence[float]) -> EntryScore:
         standard_error=error if known else None,
         degrees=len(means) - 1 if known else 0,
     )
-
-
-def _trial_score(expression: str, trial: Mapping[str, Any]) -> float:
-    if not expression:
-        return math.nan if trial["score"] is None else float(trial["score"])
-    values = {"score": trial["score"]} | trial["overall"] | trial["measures"]
-    return score_of(expression, values)

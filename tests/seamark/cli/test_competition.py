@@ -8,6 +8,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
+from seamark.sim import registry
+from seamark.worker.evaluation.local import evaluate_locally
 from tests.seamark.competitions.audits import document
 
 
@@ -70,3 +72,86 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path, content: bytes, sente
 
     assert result.exit_code == 2
     assert result.stderr.startswith(sentence)
+
+
+@pytest.fixture(scope="module")
+def with_run() -> dict[str, Any]:
+    """An audit in which run 7 of the built-in PI, of two short trials, is all of the entries."""
+    benchmark = registry.benchmark("currents-v1")
+    short = {"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0, "score": "2 * score"}
+    config = benchmark.read(short).model_dump(mode="json")
+    outcome = evaluate_locally("currents-v1", config, seed=5, trials=2, controller="pi")
+    assert outcome.metrics is not None
+    submitted = {"benchmark": "currents-v1", "configuration": config, "controller": "pi"}
+    scores = [2.0 * trial["score"] for trial in outcome.metrics["trials"]]
+    run = {"run": 7, "seed": 5, "scores": scores, "digest": outcome.digest}
+    return document() | {"entries": [document()["entries"][0] | run | {"submitted": submitted}]}
+
+
+def recomputed(folder: Path, audit: dict[str, Any]) -> dict[str, str]:
+    """Return the last finding of an audit whose runs are computed again."""
+    result = audited(folder, json.dumps(audit).encode(), "--recompute", "--json")
+    last: dict[str, str] = json.loads(result.stdout)["findings"][-1]
+    return last
+
+
+def of_run(audit: dict[str, Any], **values: Any) -> dict[str, Any]:
+    return audit | {"entries": [audit["entries"][0] | values]}
+
+
+@pytest.mark.slow
+def test_a_run_of_a_built_in_solution_comes_out_the_same(
+    with_run: dict[str, Any], tmp_path: Path
+) -> None:
+    digest = with_run["entries"][0]["digest"]
+
+    assert recomputed(tmp_path, with_run) == {
+        "level": "good",
+        "sentence": f"Run 7 (PI, round 1), computed again, is the same: {digest}.",
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"digest": "0" * 64}, "instead of 0000"),
+        ({"seed": 6}, "has the digest "),
+        ({"scores": [0.0, 0.0]}, "computed again, has other scores in 2 of 2 trials."),
+    ],
+)
+def test_a_run_that_comes_out_otherwise_is_a_problem(
+    values: dict[str, Any], sentence: str, with_run: dict[str, Any], tmp_path: Path
+) -> None:
+    found = recomputed(tmp_path, of_run(with_run, **values))
+
+    assert found["level"] == "problem"
+    assert sentence in found["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("submitted", "sentence"),
+    [
+        ({"program": "ab" * 32}, "No run was computed again: each needs a program."),
+        ({"parts": {"tracker": []}}, "No run was computed again: each needs a program."),
+        ({"controller": "other"}, "No run was computed again: each needs a program."),
+        ({"configuration": {"levels": "x"}}, "Run 7 (PI, round 1) cannot be computed again here: "),
+    ],
+)
+def test_a_run_that_cannot_be_computed_here_is_said(
+    submitted: dict[str, Any], sentence: str, with_run: dict[str, Any], tmp_path: Path
+) -> None:
+    other = with_run["entries"][0]["submitted"] | submitted
+
+    found = recomputed(tmp_path, of_run(with_run, submitted=other))
+
+    assert found["level"] == "warning"
+    assert found["sentence"].startswith(sentence)
+
+
+def test_runs_of_a_benchmark_of_a_later_version_are_not_computed(tmp_path: Path) -> None:
+    found = recomputed(tmp_path, document() | {"benchmark": "currents-v99"})
+
+    assert found["sentence"] == (
+        "No run was computed again: there is no benchmark currents-v99 here."
+    )
