@@ -1,5 +1,6 @@
 """A competition of the cast's organiser: its draft, its check, its teams and what they submit."""
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from seamark.server.runs.submission.validation import Submission, ValidSubmissio
 from tests.cast import PI_RUN, Backend
 
 NAME = "harbour-cup-v1"
-DAY_S = 86_400.0
+DAY_S, TICK_S = 86_400.0, 1.0 / 64
 PRACTICE, QUALIFICATION, FINAL = 1, 2, 3
 
 
@@ -113,7 +114,7 @@ class Cup:
     ) -> None:
         """Let a round open or close at another time, as if the clock had moved."""
         new = {"opens_at": opens_in_s, "closes_at": closes_in_s}
-        at = {name: time.time() + value for name, value in new.items() if value is not None}
+        at = {name: _exactly(value) for name, value in new.items() if value is not None}
         which = (Round.competition_id == self.id, Round.number == number)
         with self.backend.database.writing() as session:
             session.execute(update(Round).where(*which).values(**at))
@@ -217,6 +218,7 @@ class Cup:
     def close_qualification(self) -> None:
         self.shift(PRACTICE, closes_in_s=0.0)
         self.shift(QUALIFICATION, closes_in_s=0.0)
+        time.sleep(1.5 * TICK_S)
 
     def begin_final(self) -> list[int]:
         """Close the qualification, begin the final, and return the runs of its first batch."""
@@ -233,6 +235,11 @@ class Cup:
             rows = [(run_id, session.get_one(Entry, run_id).method) for run_id in self.live()]
         for run_id, method in rows:
             self.finish(run_id, scores.get(method, [other + at for at in range(trials)]))
+
+
+def _exactly(in_s: float) -> float:
+    """Return a time not before that which both a double and a text of microseconds have."""
+    return math.ceil((time.time() + in_s) / TICK_S) * TICK_S
 
 
 def _text(in_s: float) -> str:
