@@ -15,7 +15,8 @@ from seamark.competitions.document import RoundKind, digest_of
 from seamark.competitions.standings import Placing, Ties
 
 FORMAT = "seamark competition audit 1"
-BYTES_MAX = 32 * 2**20  # of the file: 20,000 runs of 24 trials have about 16 MiB
+BYTES_MAX = 32 * 2**20  # of the file: 5000 runs of 24 trials with 150 settings have 18 MiB
+VALUES_MAX = 4_000_000  # of the file, of which 5000 such runs have a million; 70 bytes for each
 ROUNDS_MAX = 100
 MOVES_MAX = 1000
 ENTRIES_MAX = 50_000
@@ -115,6 +116,8 @@ def load(content: bytes) -> dict[str, Any]:
     """
     if len(content) > BYTES_MAX:
         raise AuditInvalid(f"the file has more than {BYTES_MAX // 2**20} MiB")
+    if sum(map(content.count, (b",", b"[", b"{"))) > VALUES_MAX:
+        raise AuditInvalid(f"the file has more than {VALUES_MAX} values")
     try:
         document = json.loads(
             content.decode(), object_pairs_hook=_unique, parse_constant=_no_constant

@@ -370,8 +370,9 @@ def test_an_object_that_is_nested_too_deeply_is_refused() -> None:
         (b'{"a": 1, "a": 2}', "a name occurs twice"),
         (b'{"a": ' + b"9" * 5000 + b"}", "no JSON"),
         (b" " * (audit_document.BYTES_MAX + 1), "more than 32 MiB"),
+        (b"[" + b"[]," * 2_000_000 + b"[]]", "more than 4000000 values"),
     ],
-    ids=range(8),
+    ids=range(9),
 )
 def test_a_file_that_is_no_document_is_refused(content: bytes, word: str) -> None:
     with pytest.raises(AuditInvalid, match=word):
