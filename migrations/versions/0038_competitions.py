@@ -98,6 +98,16 @@ def upgrade() -> None:
     )
     op.create_index("ix_teams_captain_id", "teams", ["captain_id"])
     op.create_table(
+        "method_texts",
+        sa.Column("team_id", _ROW_ID, autoincrement=False, nullable=False),
+        sa.Column("method_key", sa.String(length=120), nullable=False),
+        sa.Column("text", sa.Text(), nullable=False),
+        sa.ForeignKeyConstraint(
+            ["team_id"], ["teams.id"], name="fk_method_texts_team_id", ondelete="CASCADE"
+        ),
+        sa.PrimaryKeyConstraint("team_id", "method_key", name="pk_method_texts"),
+    )
+    op.create_table(
         "entries",
         sa.Column("run_id", _ROW_ID, autoincrement=False, nullable=False),
         sa.Column("round_id", _ROW_ID, nullable=False),
@@ -215,6 +225,7 @@ def downgrade() -> None:
     op.drop_table("round_changes")
     op.drop_table("final_places")
     op.drop_table("entries")
+    op.drop_table("method_texts")
     op.drop_table("teams")
     op.drop_table("competition_rounds")
     op.drop_table("competitions")

@@ -121,6 +121,18 @@ class TeamMember(Base):
     __table_args__ = (Index("ix_team_members_user_id", "user_id"),)
 
 
+class MethodText(Base):
+    """How a team describes one of its methods."""
+
+    __tablename__ = "method_texts"
+
+    team_id: Mapped[int] = mapped_column(
+        ForeignKey("teams.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    method_key: Mapped[str] = mapped_column(String(120), primary_key=True)  # case-folded
+    text: Mapped[str] = mapped_column(Text)
+
+
 class Entry(Base):
     """A run that counts in a round: of a team, or a reference entry of the service.
 

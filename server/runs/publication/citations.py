@@ -44,9 +44,10 @@ ANONYMOUS = Author(name=NAME)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Citation:
-    """What a citation says of a run."""
+    """What a citation says of a run, or of a competition."""
 
-    run_id: int
+    key: str  # by which BibTeX knows it
+    subject: str  # such as "run 12"
     author: Author
     title: str
     benchmark: str
@@ -57,9 +58,15 @@ class Citation:
     note: str
 
     @property
+    def kind(self) -> str:
+        """What it is, in one word."""
+        return self.subject.partition(" ")[0]
+
+    @property
     def abstract(self) -> str:
         """What it is, in a sentence or two."""
-        return f"Run {self.run_id} of the benchmark {self.benchmark} on Seamark. {self.note}"
+        subject = f"{self.subject[0].upper()}{self.subject[1:]}"
+        return f"{subject} of the benchmark {self.benchmark} on Seamark. {self.note}"
 
 
 def of_run(
@@ -76,7 +83,8 @@ def of_run(
     """
     at = datetime.fromtimestamp(run.published_at or 0.0, UTC)
     return Citation(
-        run_id=run.id,
+        key=f"seamark-run-{run.id}",
+        subject=f"run {run.id}",
         author=ANONYMOUS if run.anonymous else author,
         title=_title(run),
         benchmark=run.benchmark,
@@ -95,7 +103,7 @@ def bibtex(citation: Citation) -> str:
         "title": f"{{{_tex(citation.title)}}}",
         "year": str(citation.published.year),
         "month": _MONTHS[citation.published.month - 1],
-        "howpublished": _tex(f"Seamark, benchmark {citation.benchmark}, run {citation.run_id}"),
+        "howpublished": _tex(f"Seamark, benchmark {citation.benchmark}, {citation.subject}"),
         "url": citation.address,
         "note": _tex(citation.note),
     }
@@ -104,14 +112,14 @@ def bibtex(citation: Citation) -> str:
         for name, value in fields.items()
         if value
     ]
-    return "\n".join((f"@misc{{seamark-run-{citation.run_id},", *lines, "}", ""))
+    return "\n".join((f"@misc{{{citation.key},", *lines, "}", ""))
 
 
 def cff(citation: Citation) -> str:
     """Return a CITATION.cff of version 1.2.0; its texts are JSON strings, which YAML has too."""
     values: dict[str, Any] = {
         "cff-version": "1.2.0",
-        "message": "If you use this run, please cite it with these metadata.",
+        "message": f"If you use this {citation.kind}, please cite it with these metadata.",
         "type": "software" if citation.is_software else "dataset",
         "title": citation.title,
         "abstract": citation.abstract,

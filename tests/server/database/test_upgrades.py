@@ -21,6 +21,7 @@ from seamark.server.database.competition_tables import (
     Competition,
     Entry,
     FinalPlace,
+    MethodText,
     RoundChange,
 )
 from seamark.server.database.engine import Database
@@ -129,6 +130,7 @@ def _fill_competition(backend: Backend) -> None:
     of_team = {"team_id": team, "method": "PI"}
     with backend.database.writing() as session:
         session.add(Entry(method_key="pi", submitted_at=1.0, **numbers, **of_team))
+        session.add(MethodText(team_id=team, method_key="pi", text="A PI."))
         session.add(FinalPlace(trials=1, **numbers, **of_team))
         changed = {"at": 1.0, "before": 2.0, "after": 3.0, "reason": "The service was down."}
         session.add(RoundChange(round_id=numbers["round_id"], **changed))

@@ -41,7 +41,7 @@ WITHHELD = {
         "tokens",
         "users",
     ),
-    *("final_places", "round_changes", "team_members", "teams"),
+    *("final_places", "method_texts", "round_changes", "team_members", "teams"),
 }
 REFUSED = (
     "SELECT password_hash FROM users",

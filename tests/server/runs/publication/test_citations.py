@@ -22,7 +22,8 @@ from seamark.server.runs.publication import badge, citations
 from seamark.server.runs.publication.citations import Author, Citation
 
 RUN = Citation(
-    run_id=17,
+    key="seamark-run-17",
+    subject="run 17",
     author=Author(name="Jane Doe", affiliation="Institute of Currents"),
     title="Observer, first try",
     benchmark="currents-v2",
