@@ -59,20 +59,32 @@ def show() -> ResponseReturnValue:
             offered=offered,
             runs_max=RUNS_MAX,
         )
-    compared = side_by_side(runs, partial(trial_seeds, settings=services().settings))
+    views = views_of(runs)
     return render_template(
         "compare/show.html",
-        runs=runs,
+        **views,
         benchmark=benchmark,
-        comparison=compared,
-        settings=[row for row in compared.settings if row.name != DIGEST],
+        settings=[row for row in views["comparison"].settings if row.name != DIGEST],
         programs=program_differences(runs),
         offered=offered if len(runs) < RUNS_MAX else {},
         address=_address,
-        trials=max(run.trials for run in runs),
-        page_data=_page_data(runs, compared),
         preview=link_previews.of_comparison(runs, _address(ids)),
     )
+
+
+def views_of(runs: Sequence[RunView], names: Mapping[int, str] | None = None) -> dict[str, Any]:
+    """Return the variables of compare/views.html: runs side by side, at least two.
+
+    `names` are shown in place of those of the solutions.
+    """
+    compared = side_by_side(runs, partial(trial_seeds, settings=services().settings))
+    return {
+        "runs": runs,
+        "names": names or {},
+        "comparison": compared,
+        "trials": max(run.trials for run in runs),
+        "page_data": _page_data(runs, compared),
+    }
 
 
 def _address(ids: Sequence[int]) -> str:

@@ -4,7 +4,6 @@ import json
 import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict
-from io import RawIOBase
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,13 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts import accounts, identities, profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.classes import classrooms
+from seamark.server.competitions import teams
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress
 from seamark.server.database.tables import User
 from seamark.server.programs import store
 from seamark.server.runs.data import stored_files
+from seamark.server.runs.downloads import zip_stream
 from seamark.server.runs.showing import run_lists, views
 from seamark.server.runs.showing.run_lists import FIRST, ListCursor, RunFilter
 from seamark.server.runs.showing.views import RunView
@@ -37,18 +38,16 @@ def archive(
     With `telemetry` also the recorded rows. Needs the memory of a page of runs, however many there
     are, and holds no transaction while a slow client reads.
     """
-    sink = _Sink()
-    with zipfile.ZipFile(sink, "w", zipfile.ZIP_DEFLATED) as file:
-        file.writestr("account.json", _json(_account(database, viewer)))
+
+    def write(file: zipfile.ZipFile) -> Iterator[None]:
+        file.writestr("account.json", as_json(_account(database, viewer)))
         for run_id in _run_ids(database, viewer):
             with database.reading() as session:
                 run = views.show(session, run_id)
-            if run is None:  # deleted meanwhile
-                continue
-            for _ in _write_run(file, settings, run, telemetry=telemetry):
-                yield sink.take()
-            yield sink.take()
-    yield sink.take()
+            if run is not None:  # it may have been deleted meanwhile
+                yield from write_run(file, settings, run, telemetry=telemetry)
+
+    return zip_stream.pieces(write)
 
 
 def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
@@ -70,6 +69,7 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
                 for token in accounts.tokens(session, user_id)
             ],
             "classes_joined": [each.name for each in classrooms.joined_by(session, user_id)],
+            "teams": sorted(teams.memberships(session, user_id).values()),
             "classes_taught": [each.name for each in classrooms.taught_by(session, user_id)],
         }
 
@@ -92,25 +92,30 @@ def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:
         start = page.next
 
 
-def _write_run(
-    file: zipfile.ZipFile, settings: Settings, run: RunView, *, telemetry: bool
+def write_run(
+    file: zipfile.ZipFile,
+    settings: Settings,
+    run: RunView,
+    *,
+    telemetry: bool,
+    program: bool = True,
 ) -> Iterator[None]:
-    """Write a run, chunk by chunk."""
+    """Write a run, chunk by chunk, with or without its program and its log."""
     folder = f"runs/{run.id}"
-    file.writestr(f"{folder}/run.json", _json(run.model_dump(mode="json", exclude=_NOT_OWN)))
+    file.writestr(f"{folder}/run.json", as_json(run.model_dump(mode="json", exclude=_NOT_OWN)))
     if run.data_deleted_at is not None:
         return
     files = stored_files.of_run(settings, run)
-    if log := files.log_text():
+    if program and (log := files.log_text()):
         file.writestr(f"{folder}/log.txt", log)
-    for name, sha256 in _programs(run):
+    for name, sha256 in _programs(run) if program else ():
         if store.size(settings, sha256):
             file.writestr(f"{folder}/{name}", store.read(settings, sha256))
     if run.vehicle_sha256 is not None and store.size(settings, run.vehicle_sha256):
         file.writestr(f"{folder}/vehicle.toml", store.read(settings, run.vehicle_sha256))
     yield
     if telemetry and files.telemetry_path.is_file():
-        file.writestr(f"{folder}/columns.json", _json(files.columns))
+        file.writestr(f"{folder}/columns.json", as_json(files.columns))
         with (
             files.telemetry_path.open("rb") as rows,
             file.open(f"{folder}/telemetry.f64", "w", force_zip64=True) as entry,
@@ -129,27 +134,6 @@ def _programs(run: RunView) -> Iterator[tuple[str, str]]:
         yield f"parts/{part.role}/{name}", part.program_sha256
 
 
-def _json(value: object) -> str:
+def as_json(value: object) -> str:
+    """Return a value as the files of an archive have it."""
     return json.dumps(value, indent=2, ensure_ascii=False)
-
-
-class _Sink(RawIOBase):
-    """A file that keeps what is written until it is taken."""
-
-    def __init__(self) -> None:
-        self._pieces: list[bytes] = []
-
-    def writable(self) -> bool:
-        """Return True: it cannot be read or positioned."""
-        return True
-
-    def write(self, data: Any) -> int:
-        """Keep the data."""
-        self._pieces.append(bytes(data))
-        return len(data)
-
-    def take(self) -> bytes:
-        """Return what has been written since the last time."""
-        taken = b"".join(self._pieces)
-        self._pieces.clear()
-        return taken
