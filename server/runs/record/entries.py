@@ -107,7 +107,8 @@ def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> 
     if entry is None or metrics is None:
         return
     run = session.get_one(Run, run_id)
-    scored = score(run.benchmark, run.config, metrics)
+    is_mark = entry.team_id is None
+    scored = score(run.benchmark, run.config, metrics, excused=1.0 if is_mark else EXCUSED_SHARE)
     entry.refusal = scored.refusal
     if scored.refusal is None:
         entry.scores = list(scored.scores)
@@ -115,11 +116,21 @@ def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> 
         entry.standard_error, entry.degrees = scored.standard_error, scored.degrees
 
 
-def score(benchmark: str, config: Mapping[str, Any], metrics: Mapping[str, Any]) -> EntryScore:
-    """Return the score of an entry: of the organiser's expression, or else of the benchmark."""
+def score(
+    benchmark: str,
+    config: Mapping[str, Any],
+    metrics: Mapping[str, Any],
+    *,
+    excused: float = EXCUSED_SHARE,
+) -> EntryScore:
+    """Return the score of an entry: of the organiser's expression, or else of the benchmark.
+
+    `excused` is the share of the trials that may break a rule: all, of reference entries, which
+    are marks that no rule keeps off a board.
+    """
     trials: Sequence[Mapping[str, Any]] = metrics.get("trials", ())
     broken = [trial for trial in trials if not trial.get("rankable", True)]
-    if len(broken) > EXCUSED_SHARE * len(trials):
+    if len(broken) > excused * len(trials):
         why = metrics.get("not_ranked") or "A rule of the benchmark is broken."
         return EntryScore(refusal=f"{why} So in {len(broken)} of {len(trials)} trials.")
     try:

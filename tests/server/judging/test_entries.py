@@ -11,7 +11,7 @@ from seamark.server.competitions import competitions, teams
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.database.competition_tables import Entry, Team
 from seamark.server.database.tables import Run
-from seamark.server.judging import entries
+from seamark.server.judging import check, entries
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.submission.validation import Submission, SubmissionRejected
@@ -172,6 +172,16 @@ def test_an_entry_that_breaks_rules_in_too_many_trials_has_no_score(cup: Cup) ->
 
     assert "It hit the bottom. So in 1 of 3 trials." in (own(cup, "ann")[0].refusal or "")
     assert cup.board(QUALIFICATION).rows == ()
+
+
+def test_no_rule_keeps_a_reference_entry_off_a_board(backend: Backend) -> None:
+    cup = Cup.draft(backend)
+    with backend.database.writing() as session:
+        check.request(session, cup.view, backend.settings)
+    for run_id in cup.live():
+        cup.finish(run_id, [1.0, 2.0, 3.0], broken=3)
+
+    assert len(cup.board(QUALIFICATION).references) == len(cup.asked.base.baselines)
 
 
 def test_the_expression_of_the_organiser_is_the_score(backend: Backend) -> None:
