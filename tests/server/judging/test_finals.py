@@ -1,5 +1,6 @@
 """Finals: who is carried into them, on which trials they are evaluated, and when they end."""
 
+import threading
 from typing import Any
 
 import pytest
@@ -247,6 +248,31 @@ def test_what_the_service_broke_in_the_final_is_evaluated_again_on_the_same_wate
     cup.finish(again, APART)
     cup.advance()
     assert [row.run_id for row in cup.board(FINAL).rows] == [again]
+
+
+def test_two_processes_that_advance_at_once_add_one_batch(both: Backend) -> None:
+    cup = Cup.opened(both)
+    cup.team("ann")
+    cup.entered("ann", SAME, "PI")
+    cup.close_qualification()
+    cup.advance()
+    cup.advance()
+    cup.shift(FINAL, opens_in_s=-1.0)
+    begin, queued = threading.Barrier(2), list[int]()
+
+    def advance() -> None:
+        begin.wait()
+        queued.append(cup.advance())
+
+    together = [threading.Thread(target=advance) for _ in range(2)]
+    for thread in together:
+        thread.start()
+    for thread in together:
+        thread.join()
+
+    references = len(cup.asked.base.baselines)
+    assert sorted(queued) == [0, 1 + references]
+    assert cup.view.rounds[FINAL - 1].batches == 1
 
 
 def test_a_final_ends_even_if_the_service_breaks_an_entry_again_and_again(
