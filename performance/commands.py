@@ -68,6 +68,7 @@ OTHERS = {
     "selection": "statistics.selection",
     "reference_results": "statistics.reference_results",
     "fake_machines": "service.queue.fake_machines",
+    "competition_rush": "service.web.competition_rush",
     "slow_start": "service.web.slow_start",
     "generated_client": "interoperability.generated_client",
     "bridges": "interoperability.bridges",

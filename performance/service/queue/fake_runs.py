@@ -33,6 +33,7 @@ from tests.services import valkey
 RUNS, USERS, SLOTS = 10_000, 100, 8
 POLL_S = 0.1
 NOTHING = "performance.nothing"  # the task of `fake_worker` that does nothing
+RUN_S = "FAKE_RUN_S"  # environment variable of `fake_worker`: how long a run takes [s]
 CLAIMS = "performance.claims"  # key of a list with the duration of each claim [s]
 UNLIMITED = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15}
 COMMAND = ("-m", "celery", "-A", "performance.service.queue.fake_worker", "worker")
@@ -122,10 +123,13 @@ def rows(runs: int = RUNS) -> list[Row]:
 
 
 @contextmanager
-def fake_worker(settings: Settings) -> "Iterator[subprocess.Popen[bytes]]":
-    """Run a worker whose runs simulate nothing."""
-    command = [sys.executable, *COMMAND, "-c", str(SLOTS), *OPTIONS]
-    with subprocess.Popen(command, env=os.environ | settings.environment()) as worker:
+def fake_worker(
+    settings: Settings, *, slots: int = SLOTS, run_s: float = 0.0
+) -> "Iterator[subprocess.Popen[bytes]]":
+    """Run a worker whose runs simulate nothing, and take so long [s]."""
+    command = [sys.executable, *COMMAND, "-c", str(slots), *OPTIONS]
+    environ = os.environ | settings.environment() | {RUN_S: str(run_s)}
+    with subprocess.Popen(command, env=environ) as worker:
         try:
             yield worker
         finally:
