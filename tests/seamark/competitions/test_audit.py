@@ -11,6 +11,7 @@ import pytest
 from seamark.competitions import audit, audit_document
 from seamark.competitions.audit import verify
 from seamark.competitions.audit_document import AuditInvalid, as_document, load, read
+from seamark.competitions.document import digest_of
 from seamark.competitions.findings import Level
 from seamark.competitions.standings import Standings, Ties
 from tests.seamark.competitions.audits import document, small
@@ -81,6 +82,7 @@ def test_a_document_in_which_everything_is_right_has_only_good_findings() -> Non
     assert "Round 3 (final): in each of 10 runs, the seed follows from the key." in {
         each.sentence for each in findings
     }
+    assert findings[3].sentence == "Round 1 (practice): in 1 run, the seed follows from the key."
     assert findings[-2].sentence == (
         "Round 3 (final): the standings of 4 finalists follow from the scores."
     )
@@ -136,6 +138,7 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
         (("benchmark",), "currents-v2", "Not as in the frozen document: benchmark."),
         (("frozen", "rounds"), [], "none that this version of Seamark can read"),
         (("frozen", "rounds", 0, "opens"), "0001-01-01T00:00:00", "none that this version of"),
+        (("frozen", "rounds", 0, "closes"), "1970-01-01T00:33:19", "none that this version of"),
         (("frozen", "rounds", 0, "opens"), "0001-01-01T00:00:00+14:00", "it was not at the time"),
         (("rounds", 0, "opens_at"), 900.0, "Round 1 (practice): it was not at the time of the"),
         (("rounds", 1, "closes_at"), 9000.0, "Round 2 (qualification): it was not at the time"),
@@ -194,6 +197,23 @@ def test_a_final_that_ended_too_early_is_found() -> None:
     assert problems(early) == [
         "Round 3 (final): its ranks are not separated, but it ended after 1 of 5 batches."
     ]
+
+
+def test_a_final_may_end_unseparated_with_its_last_batch() -> None:
+    """Two finalists that differ by luck alone, and a document with two batches at most."""
+    last = copy.deepcopy(DOCUMENT)
+    for entry, other_entry in zip(last["entries"][3:5], last["entries"][5:7], strict=True):
+        scores = [*reversed(entry["scores"])]
+        other_entry |= {"scores": scores, "score": entry["score"]}
+    last["frozen"]["rounds"][2]["batches"] = last["rounds"][2]["looks"] = 2
+    last["frozen_sha256"] = digest_of(last["frozen"])
+    decided = audit._standings(read(last).rounds[2], _runs_of(last), 2)
+    last["standings"] = as_document(_with(decided))["standings"]
+
+    assert problems(last) == []
+    assert verify(last)[-1].sentence == (
+        "Round 3 (final): it ended after 2 batches, since there may be no more."
+    )
 
 
 def _runs_of(changed: dict[str, Any]) -> dict[int, dict[int, audit_document.Entry]]:
@@ -379,7 +399,21 @@ def test_a_file_that_is_no_document_is_refused(content: bytes, word: str) -> Non
         load(content)
 
 
-def test_a_final_that_would_take_too_long_is_refused() -> None:
+def test_a_final_whose_standings_would_take_too_long_is_refused() -> None:
+    """1000 finalists with ten batches of six trials: 1.65e8 pairs times trials."""
+    long = copy.deepcopy(DOCUMENT)
+    long["entries"] = [
+        long["entries"][3] | {"key": key, "batch": batch}
+        for key in range(1000)
+        for batch in range(1, 11)
+    ]
+    long["rounds"][2]["looks"] = long["standings"]["batches"] = 10
+
+    with pytest.raises(AuditInvalid, match="too large to be checked: 1000 finalists, 10 batches"):
+        verify(long)
+
+
+def test_a_final_with_too_many_finalists_is_refused() -> None:
     large = copy.deepcopy(DOCUMENT)
     large["entries"] = [
         large["entries"][3] | {"key": key, "run": key} for key in range(audit.FINALISTS_MAX + 1)
