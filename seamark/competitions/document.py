@@ -33,6 +33,7 @@ from seamark.sim.settings.setting import schema_extras
 
 ROUNDS_MAX = 6
 LENGTH_MAX = timedelta(days=3 * 366)  # from the first round to the last
+NAME_MAX = 60  # [character], with the version
 _SETTINGS_MAX = 200
 _MESSAGES_MAX = 20
 
@@ -163,7 +164,9 @@ class CompetitionDocument(_Part):
         the place of the benchmark's score.
     """
 
-    name: str = Field(pattern=r"^[a-z][a-z0-9]*(-[a-z0-9]+)*-v[1-9][0-9]{0,2}$", max_length=60)
+    name: str = Field(
+        pattern=r"^[a-z][a-z0-9]*(-[a-z0-9]+)*-v[1-9][0-9]{0,2}$", max_length=NAME_MAX
+    )
     title: Line = Field(min_length=1, max_length=80)
     question: Line = Field("", max_length=200)
     rules: Paragraphs = Field("", max_length=8000)

@@ -51,6 +51,10 @@ class AuditAction(StrEnum):
     REJUDGEMENT_STARTED = "rejudgement_started"
     REJUDGEMENT_ACCEPTED = "rejudgement_accepted"
     REJUDGEMENT_DISCARDED = "rejudgement_discarded"
+    COMPETITION_CREATED = "competition_created"
+    COMPETITION_OPENED = "competition_opened"
+    COMPETITION_HANDED_OVER = "competition_handed_over"
+    ROUND_MOVED = "round_moved"
     RETENTION_REQUESTED = "retention_requested"
     RETENTION_ENDED = "retention_ended"
     BACKUP_MADE = "backup_made"
@@ -108,7 +112,7 @@ def record(
     Parameters
     ----------
     target
-        The name of an account or a worker, or "run 7".
+        The name of an account, a worker or a competition, or "run 7".
     detail
         What else there is to know, never a secret.
     """

@@ -8,6 +8,7 @@ from seamark.server.api import openapi
 from seamark.server.api.account import account, mail, profiles
 from seamark.server.api.administration import administration, rejudgements
 from seamark.server.api.classes import assignments, classes
+from seamark.server.api.competitions import boards, competitions, teams
 from seamark.server.api.data import (
     datasets,
     demo,
@@ -57,6 +58,9 @@ RESOURCES = (
     mail.api,
     classes.api,
     assignments.api,
+    competitions.api,
+    boards.api,
+    teams.api,
     administration.api,
     rejudgements.api,
     rosbridge.api,

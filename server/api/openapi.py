@@ -10,6 +10,7 @@ from flask import Blueprint, Flask, Response, abort, current_app, jsonify, rende
 from flask_openapi3.blueprint import APIBlueprint
 from pydantic import BaseModel
 
+from seamark.competitions.document import CompetitionDocument
 from seamark.programs import parts
 from seamark.server.api.account.mail import MailRequest
 from seamark.server.api.classes.class_schemas import (
@@ -18,6 +19,13 @@ from seamark.server.api.classes.class_schemas import (
     ClassChange,
     ClassRequest,
     JoinRequest,
+)
+from seamark.server.api.competitions.competition_schemas import (
+    HandOverRequest,
+    MoveRequest,
+    TeamChange,
+    TeamJoinRequest,
+    TeamRequest,
 )
 from seamark.server.api.requests.schemas import (
     InvitationsRequest,
@@ -37,6 +45,7 @@ _SECURITY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
 _REFUSALS = (400, 401, 403, 404, 409, 410, 422, 500, 503)
 _REFUSALS_OF_CHANGES = (413, 415, 429)
 _PUBLISH = "runs/{run_id}/publish"
+_COMPETITION = "competitions/{name}"
 _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "tokens"): TokenRequest,
     ("post", "invitations"): InvitationsRequest,
@@ -47,8 +56,17 @@ _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("patch", "classes/{class_id}"): ClassChange,
     ("post", "classes/{class_id}/assignments"): AssignmentRequest,
     ("patch", "assignments/{assignment_id}"): AssignmentChange,
+    ("post", f"{_COMPETITION}/rounds/{{number}}/move"): MoveRequest,
+    ("post", f"{_COMPETITION}/hand-over"): HandOverRequest,
+    ("post", f"{_COMPETITION}/teams"): TeamRequest,
+    ("post", f"{_COMPETITION}/teams/join"): TeamJoinRequest,
+    ("patch", f"{_COMPETITION}/team"): TeamChange,
     ("post", _PUBLISH): PublicationRequest,
 }
+_TABLES = (  # as JSON or as CSV
+    *("leaderboards/{benchmark}", "assignments/{assignment_id}/pupils"),
+    f"{_COMPETITION}/rounds/{{number}}/board",
+)
 _BINARY = ("image/", "application/octet-stream", "application/zip")
 PROBLEM_SCHEMA: dict[str, Any] = {
     "type": "object",
@@ -93,6 +111,24 @@ _VEHICLE: dict[str, Any] = {
     "format": "binary",
     "description": "TOML file of a vehicle of your own, for practice runs; see docs/vehicles.md",
 }
+_DRAFT_FORM: dict[str, Any] = {
+    "multipart/form-data": {
+        "schema": {
+            "type": "object",
+            "required": ["document"],
+            "properties": {
+                "document": {"$ref": _REF.format(model="CompetitionDocument")},
+                "picture": {"type": "string", "format": "binary", "description": "PNG or JPEG"},
+                "vehicle": {
+                    "type": "string",
+                    "format": "binary",
+                    "description": "TOML file of a vehicle of your own; see docs/vehicles.md",
+                },
+            },
+        },
+        "encoding": {"document": {"contentType": "application/json, application/toml"}},
+    }
+}
 _VEHICLE_FORM: dict[str, Any] = {
     "multipart/form-data": {
         "schema": {
@@ -124,7 +160,7 @@ def build(blueprints: tuple[APIBlueprint, ...]) -> dict[str, Any]:
         for tag in blueprint.tags:
             tags.setdefault(tag.name, _plain(tag))
     _add_bodies(paths, schemas)
-    for path in ("leaderboards/{benchmark}", "assignments/{assignment_id}/pupils"):
+    for path in _TABLES:
         table = paths[f"/api/v1/{path}"]["get"]["responses"]["200"]["content"]
         table["text/csv"] = {"schema": {"type": "string"}}
     for operations in paths.values():
@@ -167,7 +203,18 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_files(SweepRequest))
     _add_body(paths, "post", "checks", _with_files(RunRequest, parts_too=False))
     _add_body(paths, "post", "vehicles/check", _VEHICLE_FORM)
+    schemas["CompetitionDocument"] = _document_schema(schemas)
+    draft = _as_json(CompetitionDocument) | _DRAFT_FORM
+    _add_body(paths, "post", "competitions", draft)
+    _add_body(paths, "put", _COMPETITION, draft)
     _add_body(paths, "post", "logs", _LOG_FORM)
+
+
+def _document_schema(schemas: dict[str, Any]) -> dict[str, Any]:
+    """Return the schema of the document of a competition; its parts are added to the schemas."""
+    schema = CompetitionDocument.model_json_schema(ref_template=_REF)
+    schemas |= schema.pop("$defs", {})
+    return schema
 
 
 def _add_body(paths: dict[str, Any], method: str, path: str, content: dict[str, Any]) -> None:

@@ -18,8 +18,15 @@ from seamark.competitions.document import (
     RoundKind,
 )
 from seamark.competitions.document import Round as RoundPlan
+from seamark.server.accounts.permissions import Role
 from seamark.server.competitions.refusals import CompetitionRefused
-from seamark.server.database.competition_tables import Competition, Round, RoundChange, Team
+from seamark.server.database.competition_tables import (
+    Competition,
+    Round,
+    RoundChange,
+    Team,
+    TeamMember,
+)
 from seamark.server.database.tables import User
 from seamark.server.programs import vehicles
 from seamark.server.programs.vehicles import StoredVehicle
@@ -271,7 +278,23 @@ def open_up(session: Session, view: CompetitionView) -> None:
 
 
 def hand_over(session: Session, view: CompetitionView, user_id: int) -> None:
-    """Give a competition to another organiser."""
+    """Give a competition to another organiser.
+
+    Raises
+    ------
+    CompetitionRefused
+        The account may not organise, or takes part in the competition.
+    """
+    user = session.get_one(User, user_id)
+    if user.role not in {Role.ORGANISER.label, Role.ADMIN.label}:
+        raise CompetitionRefused(
+            f"{user.name} is no organiser. An admin can make the account one.", field="user"
+        )
+    if session.get(TeamMember, (view.id, user_id)) is not None:
+        raise CompetitionRefused(
+            f"{user.name} is in a team of this competition and has to leave it first.",
+            field="user",
+        )
     change = update(Competition).where(Competition.id == view.id)
     session.execute(change.values(organiser_id=user_id))
 

@@ -56,10 +56,9 @@ def read(
     if picture is not None and len(picture) > PICTURE_MAX_BYTES:
         limit = PICTURE_MAX_BYTES >> 10
         raise DocumentInvalid({"picture": f"The picture has at most {limit} KiB. Make it smaller."})
-    with vehicles.lent(vehicle):
-        config = asked.scenario()
     most = max(one.trials for one in asked.rounds)
-    size = run_size.estimate(config, trials=most, program_bytes=None)
+    with vehicles.lent(vehicle):
+        size = run_size.estimate(asked.scenario(), trials=most, program_bytes=None)
     if refusal := size.refusal(settings.run_max_bytes):
         raise DocumentInvalid({"settings": refusal})
     return Draft(asked, vehicle, picture)

@@ -74,9 +74,7 @@ def for_competition(
         raise SubmissionRejected(
             "A competition fixes the vehicle. Leave yours out.", field=vehicles.FIELD
         )
-    competition = competitions.find(session, name)
-    if competition is None or competition.is_draft:
-        raise SubmissionRejected(f"There is no competition {name}.", field=FIELD)
+    competition, team = team_in(session, name, sent.viewer.user_id)
     if sent.benchmark != competition.document.benchmark:
         raise SubmissionRejected(
             f"This competition asks for runs of {competition.document.benchmark}, not of "
@@ -86,9 +84,6 @@ def for_competition(
     one = competition.current
     if one is None:
         raise SubmissionRejected(NOT_NOW, field=FIELD)
-    team = teams.of_user(session, competition.id, sent.viewer.user_id)
-    if team is None:
-        raise SubmissionRejected("You are in no team of this competition.", field=FIELD)
     method = _method(method, sent)
     entry = Entry(
         round_id=one.id,
@@ -113,6 +108,23 @@ def for_competition(
         title=method,
         entry=terms,
     )
+
+
+def team_in(session: Session, name: str, user_id: int | None) -> tuple[CompetitionView, TeamView]:
+    """Return an open competition and the team of an account in it.
+
+    Raises
+    ------
+    SubmissionRejected
+        There is no such competition or team.
+    """
+    competition = competitions.find(session, name)
+    if competition is None or competition.is_draft:
+        raise SubmissionRejected(f"There is no competition {name}.", field=FIELD)
+    team = teams.of_user(session, competition.id, user_id)
+    if team is None:
+        raise SubmissionRejected("You are in no team of this competition.", field=FIELD)
+    return competition, team
 
 
 def terms_of(

@@ -44,9 +44,9 @@ def own_team(competition: CompetitionView) -> TeamView | None:
         return teams.of_user(session, competition.id, g.viewer.user_id)
 
 
-def member_of(name: str) -> tuple[CompetitionView, TeamView]:
-    """Return a competition and the viewer's team in it."""
-    access.require(Action.COMPETE)
+def member_of(name: str, action: Action = Action.COMPETE) -> tuple[CompetitionView, TeamView]:
+    """Return a competition and the viewer's team in it; the viewer may perform `action`."""
+    access.require_account(action)
     competition = shown(name)
     team = own_team(competition)
     if team is None:

@@ -12,8 +12,15 @@ from seamark.server.runs.submission import quota
 from seamark.server.web.services import services
 
 
-def store_program(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str) -> StoredProgram:
+def store_program(
+    stream: BinaryIO, filename: str, *, viewer: Viewer, role: str, personal: bool = True
+) -> StoredProgram:
     """Store an upload whose run the viewer may submit.
+
+    Parameters
+    ----------
+    personal
+        Whether the quota of the viewer counts: a round of a competition has its own for teams.
 
     Raises
     ------
@@ -33,15 +40,18 @@ def store_program(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str)
         role=role,
     )
     prepared.require_clean()
-    with current.database.reading() as session:
-        quota.enforce(session, viewer, current.settings, new_bytes=len(prepared.content))
+    if personal:
+        with current.database.reading() as session:
+            quota.enforce(session, viewer, current.settings, new_bytes=len(prepared.content))
     return store.save(prepared, current.settings)
 
 
-def store_part(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str) -> StoredProgram:
+def store_part(
+    stream: BinaryIO, filename: str, *, viewer: Viewer, role: str, personal: bool = True
+) -> StoredProgram:
     """Store a further program of a run, as `store_program`; what is raised names its field."""
     try:
-        return store_program(stream, filename, viewer=viewer, role=role)
+        return store_program(stream, filename, viewer=viewer, role=role, personal=personal)
     except UploadRejected as rejected:
         rejected.field = parts.field(role)
         raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from flask import request
 from pydantic import BaseModel, Field, ValidationError
@@ -99,6 +99,14 @@ def uploads_of_parts() -> dict[str, FileStorage]:
 
 def _parse(model: type[Model], data: bytes) -> Model:
     """Return the validated model of a JSON text; raises Problem."""
+    try:
+        return model.model_validate(json_object(data))
+    except ValidationError as error:
+        raise from_validation_error(error) from None
+
+
+def json_object(data: bytes) -> dict[str, Any]:
+    """Return the object in a JSON text; raises Problem."""
     if len(data) > JSON_MAX_BYTES:
         raise Problem("payload-too-large", f"The JSON is limited to {JSON_MAX_BYTES >> 10} KiB.")
     try:
@@ -108,10 +116,7 @@ def _parse(model: type[Model], data: bytes) -> Model:
         raise Problem("bad-request", f"The body is not valid JSON: {error}.") from None
     if not isinstance(value, dict):
         raise Problem("invalid-request", "The body must be a JSON object.")
-    try:
-        return model.model_validate(value)
-    except ValidationError as error:
-        raise from_validation_error(error) from None
+    return value
 
 
 def _check_size(file: FileStorage, limit: int) -> None:

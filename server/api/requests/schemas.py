@@ -6,11 +6,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from seamark.competitions.document import NAME_MAX as COMPETITION_NAME_MAX
 from seamark.programs import parts
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.api.requests.query import Query
 from seamark.server.runs.record.columns import PublicRun
+from seamark.server.runs.record.entries import EntryAccess
+from seamark.server.runs.record.method_names import METHOD_MAX
 from seamark.server.runs.record.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
@@ -85,6 +88,17 @@ class RunRequest(BaseModel):
     notes: Text = Field("", max_length=NOTES_MAX)
     assignment: int | None = Field(
         None, ge=1, le=ROW_ID_MAX, description="It fixes kind, scenario, seed and trials"
+    )
+    competition: Text | None = Field(
+        None,
+        max_length=COMPETITION_NAME_MAX,
+        description="Whose current round your team submits to; it fixes kind, scenario, seed and "
+        "trials",
+    )
+    method: Text = Field(
+        "",
+        max_length=METHOD_MAX,
+        description="Name of the method that your team submits to a competition",
     )
 
 
@@ -223,9 +237,19 @@ class BenchmarksResponse(ResponseModel):
     benchmarks: list[BenchmarkResponse]
 
 
+class RunEntryResponse(ResponseModel):
+    """Where a run counts."""
+
+    competition: str
+    round: int = Field(description="its number; 0: the check of a draft")
+    team: str | None = Field(description="null: a reference entry")
+    method: str
+
+
 class RunResponse(PublicRun, ResponseModel):
     """A run. Times are seconds since 1970, UTC."""
 
+    entry: RunEntryResponse | None = Field(description="in a competition; not in lists")
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
     links: dict[str, str]
@@ -356,11 +380,21 @@ def run_answer(view: RunView, *, whole: bool = True) -> dict[str, Any]:
     """Return the JSON of a run; lists go without metrics."""
     run = RunResponse(
         **{name: getattr(view, name) for name in PublicRun.model_fields},
+        entry=None if view.entry is None else _entry(view.entry),
         result=_result(view),
         failure={"cause": view.cause, **view.detail} if view.cause else None,
         links=links_of(view.id),
     )
     return run.model_dump(mode="json", exclude=None if whole else {"metrics"})
+
+
+def _entry(entry: EntryAccess) -> RunEntryResponse:
+    return RunEntryResponse(
+        competition=entry.competition,
+        round=entry.round,
+        team=None if entry.team_id is None else entry.team,
+        method=entry.method,
+    )
 
 
 def _result(view: RunView) -> dict[str, Any] | None:

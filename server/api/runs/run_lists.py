@@ -30,7 +30,7 @@ class RunsQuery(Query):
         default_factory=list, description="Can be repeated"
     )
     benchmark: str | None = Field(None, max_length=80)
-    kind: Literal["practice", "ranked", "log"] | None = None
+    kind: Literal["practice", "ranked", "entry", "log"] | None = None
     program: str | None = Field(
         None, pattern=f"^({'|'.join(PROGRAMS)})$", description=f"One of {', '.join(PROGRAMS)}"
     )

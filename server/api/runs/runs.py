@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, cast
 from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
+from sqlalchemy.orm import Session
 from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import Action
@@ -26,6 +27,7 @@ from seamark.server.api.requests.schemas import (
 )
 from seamark.server.api.runs.run_lists import RunsQuery
 from seamark.server.api.runs.vehicles import vehicle_of, with_vehicle
+from seamark.server.judging import entries
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.recomputation import rejudged
 from seamark.server.runs.recomputation.rejudged import Recomputation
@@ -34,11 +36,11 @@ from seamark.server.runs.showing import run_lists, views
 from seamark.server.runs.showing.run_lists import ListCursor, RunFilter
 from seamark.server.runs.showing.views import RunView
 from seamark.server.runs.submission import assigned, submission, submission_keys, validation
-from seamark.server.runs.submission.validation import UPLOAD, Submission
+from seamark.server.runs.submission.submission_keys import SubmissionKey
+from seamark.server.runs.submission.validation import UPLOAD, Submission, SubmissionRejected
 from seamark.server.web import access, authentication, caching, rate_limits, uploads
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
-from seamark.sim.benchmarks.benchmark import Benchmark
 
 # What everybody who sees a run may see of an earlier result: not what its program printed.
 EARLIER = (
@@ -69,17 +71,30 @@ def create(header: SubmissionHeaders) -> Response:
     run, files = request_body.run_request(RunRequest)
     access.require_scope(Action.SUBMIT)
     with refusals.as_problems():
-        sent, settings = submission_of(run, files), services().settings
-        valid, key = validation.validate(sent, settings), header.submission_key(run, sent)
-        with services().database.writing() as database:
-            run_id = submission_keys.once(
-                database, key, lambda: submission.submit(database, valid, settings), now=time.time()
-            )
-    return _accepted(run_id)
+        sent = submission_of(run, files)
+        return _accepted(_once(run, sent, header.submission_key(run, sent)))
+
+
+def _once(run: RunRequest, sent: Submission, key: SubmissionKey | None) -> int:
+    """Submit a run and return its number; of a repeated request that of the first."""
+    settings, now = services().settings, time.time()
+    with services().database.reading() as database:
+        # Before the rest is looked at: the round may have closed since, or the quota be used up.
+        known = None if key is None else submission_keys.number_of(database, key, now=now)
+        if known is not None:
+            return known
+        counted = as_what_counts(database, run, sent)
+    valid = validation.validate(counted, settings)
+    with services().database.writing() as database:
+        return submission_keys.once(
+            database, key, lambda: submission.submit(database, valid, settings), now=now
+        )
 
 
 def submission_of(run: RunRequest, files: Uploads) -> Submission:
     """Return the submission in a request, whose programs and vehicle are stored.
+
+    For what it is to count is not looked at yet.
 
     Raises
     ------
@@ -93,35 +108,66 @@ def submission_of(run: RunRequest, files: Uploads) -> Submission:
     benchmark = validation.find_benchmark(run.benchmark)
     for role in files.parts:
         validation.check_part(benchmark, role)
-    program = None if files.program is None else _store(files.program, benchmark)
+    personal = run.competition is None
+    if run.competition is not None:  # before anything is stored that no quota counts
+        with services().database.reading() as database:
+            entries.team_in(database, run.competition, viewer.user_id)
+    program = None
+    if files.program is not None:
+        program = _store(files.program, benchmark.role, personal=personal)
     built_in = run.controller or (UPLOAD if program is not None else "")
     sent = run.model_dump(include={"benchmark", "seed", "trials", "title", "notes"})
     vehicle = vehicle_of(files)
-    wanted = Submission(
+    return Submission(
         viewer=viewer,
         kind=kind,
         controller=built_in,
         program=program,
-        parts={role: _store_part(file, role) for role, file in files.parts.items()},
+        parts={
+            role: _store_part(file, role, personal=personal) for role, file in files.parts.items()
+        },
         vehicle=vehicle,
         config=with_vehicle(run.config, vehicle),
         **sent,
     )
-    if run.assignment is None:
-        return wanted
-    with services().database.reading() as database:
-        return assigned.for_assignment(database, run.assignment, wanted)
 
 
-def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
+def as_what_counts(database: Session, run: RunRequest, sent: Submission) -> Submission:
+    """Return a submission with what its assignment or its competition fixes.
+
+    Raises
+    ------
+    SubmissionRejected, ConfigurationInvalid
+        The sender may not submit for it now, or sent something else than it asks for.
+    """
+    if run.competition is None:
+        if run.method:
+            raise SubmissionRejected(
+                "A method has its name in a competition, or when a run is published.",
+                field=entries.METHOD,
+            )
+        if run.assignment is None:
+            return sent
+        return assigned.for_assignment(database, run.assignment, sent)
+    if run.assignment is not None:
+        raise SubmissionRejected(
+            "A run counts for an assignment or in a competition, not for both.",
+            field=entries.FIELD,
+        )
+    access.require(Action.COMPETE)
+    settings = services().settings
+    return entries.for_competition(database, run.competition, run.method, sent, settings)
+
+
+def _store(file: FileStorage, role: str, *, personal: bool) -> StoredProgram:
     """Store the program of a request."""
     stream, name = cast("BinaryIO", file.stream), file.filename or ""
-    return uploads.store_program(stream, name, viewer=access.viewer(), role=benchmark.role)
+    return uploads.store_program(stream, name, viewer=access.viewer(), role=role, personal=personal)
 
 
-def _store_part(file: FileStorage, role: str) -> StoredProgram:
+def _store_part(file: FileStorage, role: str, *, personal: bool) -> StoredProgram:
     stream, name = cast("BinaryIO", file.stream), file.filename or ""
-    return uploads.store_part(stream, name, viewer=access.viewer(), role=role)
+    return uploads.store_part(stream, name, viewer=access.viewer(), role=role, personal=personal)
 
 
 def _accepted(run_id: int) -> Response:

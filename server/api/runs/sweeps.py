@@ -21,7 +21,7 @@ from seamark.server.api.requests.schemas import (
     Text,
     run_answer,
 )
-from seamark.server.api.runs.runs import submission_of
+from seamark.server.api.runs.runs import as_what_counts, submission_of
 from seamark.server.runs.ending import cancellation
 from seamark.server.runs.submission import submission_keys, sweep_axes, sweeps
 from seamark.server.runs.submission.sweeps import SweepView
@@ -106,6 +106,8 @@ def create(header: SubmissionHeaders) -> Response:
     with refusals.as_problems():
         axes = [sweep_axes.read_axis(axis.name, axis.values) for axis in body.sweep]
         sent = submission_of(body, files)
+        with services().database.reading() as database:
+            sent = as_what_counts(database, body, sent)
         planned, key = sweeps.plan(sent, axes, settings), header.submission_key(body, sent)
         with services().database.writing() as database:
             sweep_id = submission_keys.once(

@@ -38,6 +38,21 @@ class SubmissionKey:
         return cls(user_id, _sha256(text), _sha256(content))
 
 
+def number_of(session: Session, key: SubmissionKey, *, now: float) -> int | None:
+    """Return the number of what this request has started before; None if it is new.
+
+    Raises as `once`.
+    """
+    known = session.get(KeyOfSubmission, (key.user_id, key.key))
+    if known is None or known.created_at < now - KEPT_S:
+        return None
+    if known.request != key.request:
+        raise SubmissionRejected(
+            f"This {FIELD} was already used for another submission.", field=FIELD
+        )
+    return known.number
+
+
 def once(
     session: Session, key: SubmissionKey | None, start: Callable[[], int], *, now: float
 ) -> int:
@@ -54,13 +69,9 @@ def once(
     acquire(session, AdvisoryLock.SUBMISSION)
     own = KeyOfSubmission.user_id == key.user_id
     session.execute(delete(KeyOfSubmission).where(own, KeyOfSubmission.created_at < now - KEPT_S))
-    known = session.get(KeyOfSubmission, (key.user_id, key.key))
+    known = number_of(session, key, now=now)
     if known is not None:
-        if known.request != key.request:
-            raise SubmissionRejected(
-                f"This {FIELD} was already used for another submission.", field=FIELD
-            )
-        return known.number
+        return known
     number = start()
     row = {"user_id": key.user_id, "key": key.key, "request": key.request}
     session.add(KeyOfSubmission(**row, number=number, created_at=now))

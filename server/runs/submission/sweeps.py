@@ -87,7 +87,7 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
     ConfigurationInvalid, SubmissionRejected
         As `submission.validate`, of the first run that is not valid; or this is no sweep.
     """
-    if sent.kind is RunKind.RANKED:
+    if sent.kind is not RunKind.PRACTICE:
         raise _refused("A sweep consists of practice runs. Submit its best point as a ranked run.")
     names = [axis.name for axis in axes]
     if not 1 <= len(axes) <= AXES_MAX or len(set(names)) < len(names):

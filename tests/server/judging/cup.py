@@ -93,6 +93,14 @@ class Cup:
             cup.shift(number, closes_in_s=(closes_at or 0.0) - time.time())
         return cup
 
+    @classmethod
+    def named(cls, backend: Backend, name: str = NAME) -> "Cup":
+        """Return a competition that is there."""
+        with backend.database.reading() as session:
+            found = competitions.find(session, name)
+        assert found is not None
+        return cls(backend, found.id)
+
     @property
     def view(self) -> CompetitionView:
         with self.backend.database.reading() as session:

@@ -1,0 +1,1 @@
+"""Competitions, their boards, teams and entries."""
