@@ -11,6 +11,7 @@ WITHOUT_BODY = frozenset(  # they change something, and their address says it al
     {
         *("actions_cancel", "actions_reveal", "actions_verify", "actions_withdraw"),
         *("runs_rerun", "sweeps_cancel"),
+        *("competitions_open_competition", "teams_withdraw_entry", "teams_choose_entry"),
         *("classes_leave", "administration_revoke_access", "administration_make_reset_link"),
         *("administration_run_retention", "rejudgements_accept", "rejudgements_discard"),
     }

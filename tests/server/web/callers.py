@@ -21,7 +21,9 @@ TO_SIGN_IN = "/sign-in?next="
 class Caller:
     """A role, and the scopes of its token; a browser has a cookie and no token."""
 
-    role: str  # "anonymous", "guest", or a name of the cast: ann owns, ben does not, see ROLES
+    role: str  # "anonymous", "guest", or a name of the cast: ann owns, ben does not, see ROLES.
+    # In a competition olga organises, ann is captain and eva a member of a team, otto an organiser
+    # of other competitions, and the others are in no team.
     scopes: frozenset[str] | None = None
 
     def __str__(self) -> str:
@@ -44,7 +46,8 @@ class Caller:
 
 
 RANK = {"user": 0, "teacher": 1, "organiser": 2, "admin": 3}
-ROLES = {"ann": "user", "ben": "user", "tim": "teacher", "olga": "organiser", "root": "admin"}
+ROLES = {"ann": "user", "ben": "user", "eva": "user", "tim": "teacher"}
+ROLES |= {"olga": "organiser", "otto": "organiser", "root": "admin"}
 # The scope "admin" of a user has no effect: one such token for each.
 OF_USER = [scopes for scopes in SETS if scopes == ALL or ADMIN not in scopes]
 CALLERS = [
@@ -52,7 +55,7 @@ CALLERS = [
     Caller("guest"),
     *(Caller(name, scopes) for name in ("tim", "olga", "root") for scopes in (None, *SETS)),
     *(Caller("ann", scopes) for scopes in (None, *OF_USER)),
-    *(Caller("ben", scopes) for scopes in (None, ALL)),
+    *(Caller(name, scopes) for name in ("ben", "eva", "otto") for scopes in (None, ALL)),
 ]
 Allows = Callable[[Caller], bool]
 
@@ -123,6 +126,22 @@ def invites(caller: Caller) -> bool:
 
 def teaches(caller: Caller) -> bool:
     return caller.has(READ) and (caller.role == "tim" or caller.administers) and caller.has(ADMIN)
+
+
+def organises(caller: Caller) -> bool:
+    return caller.has(ADMIN) and caller.role in {"olga", "root"}
+
+
+def holds_competitions(caller: Caller) -> bool:
+    return caller.is_at_least("organiser")
+
+
+def reads_team(caller: Caller) -> bool:
+    return caller.role in {"ann", "eva"} and caller.has(READ)
+
+
+def leaves_team(caller: Caller) -> bool:
+    return caller.role in {"ann", "eva"} and caller.has(SUBMIT)
 
 
 def has_classes(caller: Caller) -> bool:

@@ -1,11 +1,13 @@
 """Every route of the service, with who may call it. A route without an entry fails a test."""
 
+import time
 from dataclasses import dataclass
 from typing import Any
 
 from seamark.formats.registry import FORMATS
 from seamark.server.web import own_wheel
 from tests.cast import VEHICLE
+from tests.server.judging.cup import DAY_S, values
 from tests.server.web.callers import (
     Allows,
     administers,
@@ -16,11 +18,15 @@ from tests.server.web.callers import (
     connects,
     everybody,
     has_classes,
+    holds_competitions,
     invites,
+    leaves_team,
     lists,
+    organises,
     reads_account,
     reads_its_own,
     reads_run,
+    reads_team,
     sees_class,
     submits,
     submits_as_somebody,
@@ -134,6 +140,50 @@ CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
     ("GET", f"{API_AS}/pupils"): Entry(teaches, path=f"{API_A}/pupils"),
     ("GET", f"{API_AS}/runs"): Entry(sees_class, path=f"{API_A}/runs"),
     ("GET", f"{API_AS}/ranking"): Entry(teaches, path=f"{API_A}/ranking"),
+}
+API_N, API_NS = "/api/v1/competitions/{cup}", "/api/v1/competitions/<string:name>"
+DRAFT = "/api/v1/competitions/{draft}"
+CHOICE = "/entries/<int:run_id>/choice"
+LATER: dict[str, Any] = {"json": {"until": time.time() + 2 * DAY_S, "reason": "Rain"}}
+AGREED: dict[str, Any] = {"json": {"name": "Wreck", "agree": True}}
+WRONG_CODE: dict[str, Any] = {"json": {"code": "00000-00000", "agree": True}}
+COMPETITIONS: dict[tuple[str, str], Entry] = {  # olga's: ann is captain of a team, with eva
+    ("GET", "/api/v1/competitions"): Entry(lists),
+    ("POST", "/api/v1/competitions"): Entry(
+        holds_competitions, 201, options={"json": values(name="new-cup-v1")}
+    ),
+    ("GET", API_NS): Entry(lists, path=API_N),
+    ("PUT", API_NS): Entry(organises, 200, DRAFT, {"json": values(name="changed-cup-v1")}),
+    ("DELETE", API_NS): Entry(organises, 204, DRAFT),
+    ("GET", f"{API_NS}/check"): Entry(organises, path=f"{DRAFT}/check"),
+    ("POST", f"{API_NS}/open"): Entry(organises, 409, f"{DRAFT}/open"),  # it waits for its check
+    ("POST", f"{API_NS}/rounds/<int:number>/move"): Entry(
+        organises, 200, f"{API_N}/rounds/2/move", LATER
+    ),
+    ("POST", f"{API_NS}/hand-over"): Entry(
+        organises, 204, f"{API_N}/hand-over", {"json": {"user": "otto"}}
+    ),
+    ("GET", f"{API_NS}/picture"): Entry(lists, 404, f"{API_N}/picture"),  # it has none
+    ("GET", f"{API_NS}/rounds/<int:number>/board"): Entry(lists, path=f"{API_N}/rounds/2/board"),
+    ("POST", f"{API_NS}/teams"): Entry(  # its qualification has closed
+        changes_tokens, 409, "/api/v1/competitions/{closed}/teams", AGREED
+    ),
+    ("POST", f"{API_NS}/teams/join"): Entry(changes_tokens, 422, f"{API_N}/teams/join", WRONG_CODE),
+    ("GET", f"{API_NS}/team"): Entry(reads_team, path=f"{API_N}/team"),
+    ("PATCH", f"{API_NS}/team"): Entry(changes_its_own, 200, f"{API_N}/team", {"json": {}}),
+    ("DELETE", f"{API_NS}/team/members/<int:user_id>"): Entry(
+        leaves_team, 204, f"{API_N}/team/members/{{member}}"
+    ),
+    ("GET", f"{API_NS}/entries"): Entry(reads_team, path=f"{API_N}/entries"),
+    ("POST", f"{API_NS}/entries/<int:run_id>/withdraw"): Entry(
+        changes_its_own, 200, f"{API_N}/entries/{{entry}}/withdraw"
+    ),
+    ("PUT", f"{API_NS}{CHOICE}"): Entry(
+        changes_its_own, 409, f"{API_N}/entries/{{entry}}/choice"
+    ),  # the best entries go into the final by themselves
+    ("DELETE", f"{API_NS}{CHOICE}"): Entry(
+        changes_its_own, 409, f"{API_N}/entries/{{entry}}/choice"
+    ),
 }
 U, US = "/admin/users/{user}", "/admin/users/<row:user_id>"
 API_U, API_US = "/api/v1/admin/users/{user}", "/api/v1/admin/users/<int:user_id>"
@@ -277,6 +327,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     **CLASSES,
+    **COMPETITIONS,
     **ADMIN,
     ("GET", "/docs/"): Entry(everybody, 302),
     ("GET", "/docs/search"): Entry(everybody),

@@ -12,7 +12,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import ACCOUNT_ROLES
+from seamark.server.accounts.permissions import ACCOUNT_ROLES, Role
 from seamark.server.app import create_app
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
@@ -25,6 +25,7 @@ from seamark.server.web.asgi import APART
 from tests.cast import Backend
 from tests.part_programs import BENCHMARK, TRACKER
 from tests.server.api.conftest import Site
+from tests.server.judging.cup import Cup
 from tests.server.web.callers import (
     CALLERS,
     RANK,
@@ -37,7 +38,7 @@ from tests.server.web.callers import (
 )
 from tests.server.web.routes import ROUTES, Entry
 
-OF_CLASS = {"class", "assignment", "pupil"}
+MADE_TOGETHER = {"class": {"assignment", "pupil"}, "cup": {"member", "entry"}}
 
 
 @pytest.fixture
@@ -52,6 +53,7 @@ def site(backend: Backend) -> Iterator[Site]:
     app = create_app(settings)
     app.config.update(WTF_CSRF_METHODS=[])
     site = Site(backend.database, settings, backend.viewers, app, headers={})
+    site.sign_up("otto", role=Role.ORGANISER)
     # Who may have a file is decided before it is written; writing them all takes minutes.
     written = Conversions(command=("true",))
     app.extensions["seamark"] = replace(site.services, conversions=written)
@@ -91,12 +93,16 @@ class Objects:
     def __init__(self, site: Site) -> None:
         self._site = site
         self._made: dict[str, dict[str, object]] = {}
+        self._competitions = 0
         self._makers: dict[str, Callable[[], dict[str, object]]] = {
             "run": lambda: {"run": self._run("recorded")},
             "other": lambda: {"other": self._run("recorded")},
             "user": lambda: {"user": site.user_id("eva")},
             "check": lambda: {"check": site.queue_check("ann")},
             "class": self._class,
+            "cup": self._cup,
+            "draft": lambda: {"draft": Cup.draft(site, name=self._new_name()).view.name},
+            "closed": self._closed,
             "sweep": self._sweep,
             "rejudgement": self._rejudgement,
             "token": self._token,
@@ -145,6 +151,22 @@ class Objects:
             assignment = assignments.create(session, class_id, draft, trials_max=1)
         return {"class": class_id, "assignment": assignment, "pupil": site.user_id("ann")}
 
+    def _cup(self) -> dict[str, object]:
+        """Open a competition of olga's, in which ann's team has an entry and eva as a member."""
+        cup = Cup.opened(self._site, name=self._new_name())
+        cup.team("ann", "eva")
+        entry = cup.entered("eva", [40.0, 41.0, 42.0])
+        return {"cup": cup.view.name, "member": self._site.user_id("eva"), "entry": entry}
+
+    def _closed(self) -> dict[str, object]:
+        cup = Cup.opened(self._site, name=self._new_name())
+        cup.close_qualification()
+        return {"closed": cup.view.name}
+
+    def _new_name(self) -> str:
+        self._competitions += 1
+        return f"cup-{self._competitions}-v1"
+
     def _sweep(self) -> dict[str, object]:
         with self._site.database.writing() as session:
             user_id = self._site.user_id("ann")
@@ -173,8 +195,9 @@ def _kinds(route: str, entry: Entry) -> set[str]:
     names = {name for _, name, _, _ in Formatter().parse(entry.path or route) if name}
     if entry.run:
         names = names - {"run"} | {f"{entry.run} run"}
-    if names & OF_CLASS:
-        names = names - OF_CLASS | {"class"}
+    for kind, others in MADE_TOGETHER.items():
+        if names & others:
+            names = names - others | {kind}
     return names
 
 
@@ -230,7 +253,8 @@ def _as_expected(entry: Entry, caller: Caller, status: int, location: str) -> bo
 @pytest.mark.slow
 @pytest.mark.parametrize("caller", CALLERS, ids=str)
 def test_only_who_administers_sees_the_private_runs_of_others(site: Site, caller: Caller) -> None:
-    site.succeeded("eva", title="secret plan")
+    site.sign_up("zoe")
+    site.succeeded("zoe", title="secret plan")
     client, headers = browser_of(site, caller), headers_of(site, caller)
     paths = ("/runs/?of=all", "/runs/runs.csv?of=all", "/api/v1/runs?which=all")
 

@@ -5,6 +5,8 @@ import json
 from typing import Any
 
 import pytest
+from werkzeug.datastructures import FileStorage, MultiDict
+from werkzeug.test import encode_multipart
 
 from tests.server.api.conftest import Site
 from tests.server.judging.cup import values
@@ -133,8 +135,11 @@ def test_a_hostile_toml_file_is_refused(hall: Site, content: bytes, status: int)
     ],
 )
 def test_a_picture_that_is_none_is_refused(hall: Site, picture: bytes, sentence: str) -> None:
-    data = {"document": json.dumps(values()), "picture": (io.BytesIO(picture), "cup.png")}
-    answer = hall.call("olga", "POST", API, data=data)
+    form = MultiDict[str, Any]({"document": json.dumps(values())})
+    form["picture"] = FileStorage(io.BytesIO(picture), "cup.png")
+    boundary, body = encode_multipart(form)  # the client leaves the file of a large form open
+    kind = f"multipart/form-data; boundary={boundary}"
+    answer = hall.call("olga", "POST", API, data=body, content_type=kind)
 
     assert answer.status_code == 422
     (error,) = answer.get_json()["errors"]
