@@ -126,7 +126,7 @@ _DRAFT_FORM: dict[str, Any] = {
                 },
             },
         },
-        "encoding": {"document": {"contentType": "application/json, application/toml"}},
+        "encoding": {"document": {"contentType": "application/json"}},  # or a TOML file
     }
 }
 _VEHICLE_FORM: dict[str, Any] = {
