@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, TypedDict
 
 RunState = Literal["queued", "running", "succeeded", "failed", "cancelled"]
-Kind = Literal["practice", "ranked"]
+Kind = Literal["practice", "ranked", "entry", "log"]
 Values = str | Sequence[bool | int | float | str]  # of a sweep: a list or "from:to:count"
 
 
@@ -23,12 +23,14 @@ class SubmissionOptions(TypedDict, total=False):
     tracker_program: str | Path | None
     detector_program: str | Path | None
     config: Mapping[str, object] | None
-    kind: Kind
+    kind: Literal["practice", "ranked"]
     seed: int | None
     trials: int | None
     title: str
     notes: str
     assignment: int | None
+    competition: str | None
+    method: str
 
 
 class PublicationTerms(TypedDict):
@@ -84,6 +86,7 @@ class RunDocument(TypedDict):
     vehicle_sha256: str | None
     submission: str | None
     not_ranked: str | None
+    entry: dict[str, Any] | None
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
     links: dict[str, str]
