@@ -59,7 +59,7 @@ def found(session: Session, competition: CompetitionView, user_id: int, name: st
         The name is taken, or the account is in a team or organises the competition.
     """
     name = _valid_name(name)
-    _require_joinable(session, competition, user_id)
+    _require_joinable(session, competition, user_id, "")
     if competition.teams >= TEAMS_MAX:
         raise CompetitionRefused(f"This competition already has {TEAMS_MAX} teams.")
     _require_free(session, competition.id, name)
@@ -92,7 +92,7 @@ def join(session: Session, competition: CompetitionView, user_id: int, code: str
         raise CompetitionRefused(UNKNOWN_CODE, field="code")
     if team.has(user_id):
         return team.id
-    _require_joinable(session, competition, user_id)
+    _require_joinable(session, competition, user_id, team.name)
     if len(team.members) >= competition.document.team_size:
         raise CompetitionRefused(
             f"The team {team.name} is full: {competition.document.team_size} members at most."
@@ -215,13 +215,29 @@ def _add(session: Session, team: Team, user_id: int) -> None:
     session.flush()
 
 
-def _require_joinable(session: Session, competition: CompetitionView, user_id: int) -> None:
+def _require_joinable(
+    session: Session, competition: CompetitionView, user_id: int, name: str
+) -> None:
+    """Raise CompetitionRefused if an account may not be in the team of this name.
+
+    Whoever has submitted for a team goes back to none but that: with another one came another
+    quota, and more finalists.
+    """
     if competition.is_draft or competition.qualification.has_closed:
         raise CompetitionRefused("Teams are made and joined until the qualification closes.")
     if competition.organiser_id == user_id:
         raise CompetitionRefused("You organise this competition, so you cannot take part in it.")
     if session.get(TeamMember, (competition.id, user_id)) is not None:
         raise CompetitionRefused("You are in a team of this competition. Leave it first.")
+    earlier = (
+        select(Team.name)
+        .join(Entry, Entry.team_id == Team.id)
+        .where(Team.competition_id == competition.id, Entry.user_id == user_id)
+    )
+    if (before := session.scalar(earlier.limit(1))) not in (None, name):
+        raise CompetitionRefused(
+            f"You have submitted for the team {before}. Join it again: ask for its link."
+        )
 
 
 def _require_free(session: Session, competition_id: int, name: str) -> None:

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session, undefer
 
 from seamark.competitions import check_report
 from seamark.competitions.check_report import Draft, Reference
-from seamark.competitions.findings import Finding
+from seamark.competitions.findings import Finding, Level
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import CHECK, CompetitionView
@@ -103,6 +103,8 @@ def view(session: Session, competition: CompetitionView) -> CheckView:
     if waiting or not rows:
         return CheckView(len(rows), waiting, (), references)
     findings = check_report.report(references, _draft(session, competition))
+    if competition.document.final is None:
+        findings.append(_no_final(competition.document.qualification.quota))
     return CheckView(len(rows), waiting, tuple(findings), references)
 
 
@@ -142,6 +144,20 @@ def _reference(entry: Entry, run: Run, bounds: Collection[str]) -> Reference:
         scores=entry.scores,
         failed_why="" if entry.scores else str(entry.refusal or failed),
         wall_s=wall_s,
+    )
+
+
+def _no_final(quota: int) -> Finding:
+    if quota == 1:
+        return Finding(
+            Level.WARNING,
+            "There is no final, so each team is placed by one submission, in water of its own. Add "
+            "a final: it evaluates all on the same trials until their ranks separate.",
+        )
+    return Finding(
+        Level.PROBLEM,
+        f"There is no final, so a team is placed by the best of {quota} submissions, each in water "
+        "of its own: the best of many is partly luck. Add a final.",
     )
 
 

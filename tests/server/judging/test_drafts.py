@@ -7,7 +7,7 @@ from seamark.server.competitions import competitions
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.judging import check, drafts
 from tests.cast import Backend
-from tests.server.judging.cup import NAME, Cup, values
+from tests.server.judging.cup import DAY_S, NAME, Cup, round_of, values
 
 
 def made(backend: Backend, **changes: object) -> Cup:
@@ -70,6 +70,15 @@ def test_a_deleted_draft_leaves_no_run_in_the_queue(both: Backend) -> None:
         drafts.remove(session, cup.view)
 
     assert both.claim() is None
+
+
+def test_the_report_warns_of_a_competition_without_a_final(backend: Backend) -> None:
+    cup = Cup.draft(backend, rounds=[round_of("qualification", -DAY_S, DAY_S, trials=3)])
+    cup.check()
+    with backend.database.reading() as session:
+        findings = check.view(session, cup.view).findings
+
+    assert "the best of 5 submissions" in findings[-1].sentence
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,13 @@ def own(cup: Cup, who: str) -> list[entries.EntryView]:
         return entries.own(session, view, team.id)
 
 
+def leave(cup: Cup, who: str) -> None:
+    with cup.backend.database.writing() as session:
+        team = teams.of_user(session, cup.id, cup.backend.user_id(who))
+        assert team is not None
+        teams.leave(session, team, cup.backend.user_id(who))
+
+
 def test_an_entry_has_the_scenario_of_the_organiser_and_belongs_to_the_team(cup: Cup) -> None:
     run_id = cup.submit("ann", config={"kp": 0.5})
 
@@ -240,12 +247,28 @@ def test_a_competition_goes_on_when_its_organiser_deletes_the_account(both: Back
 def test_the_last_member_who_leaves_leaves_the_entries_in_the_competition(cup: Cup) -> None:
     run_id = cup.entered("ann", [40.0, 41.0, 42.0])
     for who in ("ann", "ben"):
-        with cup.backend.database.writing() as session:
-            team = teams.of_user(session, cup.id, cup.backend.user_id(who))
-            assert team is not None
-            teams.leave(session, team, cup.backend.user_id(who))
+        leave(cup, who)
 
     assert [row.run_id for row in cup.board(QUALIFICATION).rows] == [run_id]
+
+
+def test_nobody_gets_a_second_quota_by_another_team(cup: Cup) -> None:
+    cup.submit("ann")
+    leave(cup, "ann")
+
+    with pytest.raises(CompetitionRefused, match="submitted for the team Team ann"):
+        cup.team("ann", name="Second")
+
+
+def test_a_member_who_left_may_come_back_to_the_same_team(cup: Cup) -> None:
+    cup.submit("ben")
+    leave(cup, "ben")
+    with cup.backend.database.writing() as session:
+        team = teams.of_user(session, cup.id, cup.backend.user_id("ann"))
+        assert team is not None
+        teams.join(session, cup.view, cup.backend.user_id("ben"), team.code)
+
+    assert own(cup, "ben")
 
 
 def test_a_moved_end_moves_the_rounds_after_it_and_everybody_sees_why(cup: Cup) -> None:
