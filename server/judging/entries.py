@@ -15,7 +15,6 @@ from seamark.competitions import keys
 from seamark.competitions.document import Carry
 from seamark.competitions.document import Round as RoundPlan
 from seamark.programs.failure_reasons import FailureReason
-from seamark.programs.setting_values import text_of
 from seamark.server.competitions import competitions, teams
 from seamark.server.competitions.competitions import CompetitionView, RoundView
 from seamark.server.competitions.refusals import CompetitionRefused
@@ -26,6 +25,7 @@ from seamark.server.programs import vehicles
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.record import method_names
 from seamark.server.runs.record.states import LIVE, RunKind, RunState
+from seamark.server.runs.submission.fixed_settings import with_fixed
 from seamark.server.runs.submission.validation import (
     EntryTerms,
     Submission,
@@ -98,13 +98,17 @@ def for_competition(
         _enforce_quota(session, competition, one, team, method)
 
     terms = terms_of(competition, one, team.owner, entry, settings, require=require_allowed)
+    vehicle = vehicle_of(competition, settings)
+    with vehicles.lent(vehicle):
+        document = competition.document
+        config = with_fixed(document.base, document.fixed(), sent.config, by="competition")
     return replace(
         sent,
         kind=RunKind.ENTRY,
         seed=None,
         trials=None,
-        config=_config(competition, sent, settings),
-        vehicle=vehicle_of(competition, settings),
+        config=config,
+        vehicle=vehicle,
         title=method,
         entry=terms,
     )
@@ -288,22 +292,6 @@ def _method(method: str, sent: Submission) -> str:
     if refusal := method_names.refusal(name, program_name=program):
         raise SubmissionRejected(refusal, field=METHOD)
     return name
-
-
-def _config(
-    competition: CompetitionView, sent: Submission, settings: Settings
-) -> dict[str, object]:
-    """Return the settings of a run; raises SubmissionRejected if one is not the competition's."""
-    benchmark, all_fixed = competition.document.base, fixed(competition, settings)
-    for name in sent.config.keys() & all_fixed.keys():
-        given = benchmark.restore({name: sent.config[name]}).model_dump(mode="json")[name]
-        if given != all_fixed[name]:
-            title = benchmark.configuration.settings()[name].title or name
-            raise SubmissionRejected(
-                f"This competition fixes {title} to {text_of(all_fixed[name])}. Leave it out.",
-                field=name,
-            )
-    return {**sent.config, **all_fixed}
 
 
 def _of_team(session: Session, competition: CompetitionView, team: TeamView, run_id: int) -> Entry:

@@ -1,16 +1,16 @@
 """Runs for an assignment: what the assignment fixes, and what the student may choose."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from sqlalchemy.orm import Session
 
-from seamark.programs.setting_values import label_of, text_of
+from seamark.programs.setting_values import label_of
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.programs import vehicles
 from seamark.server.runs.record.states import RunKind
+from seamark.server.runs.submission.fixed_settings import with_fixed
 from seamark.server.runs.submission.validation import Submission, SubmissionRejected
 from seamark.sim import registry
 
@@ -53,7 +53,13 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
         kind=RunKind.PRACTICE,
         seed=sent.seed if assignment.seed is None else assignment.seed,
         trials=assignment.trials,
-        config=_config(assignment, sent.config),
+        config=assignment.config
+        | with_fixed(
+            registry.benchmark(assignment.benchmark),
+            assignment.fixed(),
+            sent.config,
+            by="assignment",
+        ),
     )
 
 
@@ -69,17 +75,3 @@ def fixed_changes(assignment: AssignmentView) -> list[tuple[str, str, str]]:
         for name, value in assignment.fixed().items()
         if value != properties[name].get("default")
     ]
-
-
-def _config(assignment: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
-    """Return the settings of a run; raises SubmissionRejected if one is not the assignment's."""
-    benchmark, fixed = registry.benchmark(assignment.benchmark), assignment.fixed()
-    sent = {name: value for name, value in chosen.items() if name in fixed}
-    config = benchmark.read({**assignment.config, **sent}).model_dump(mode="json")
-    for name, value in fixed.items():
-        if config.get(name) != value:
-            title = benchmark.configuration.model_fields[name].title or name
-            raise SubmissionRejected(
-                f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name
-            )
-    return {**assignment.config, **chosen, **fixed}  # with the parameters of the student's program
