@@ -37,6 +37,12 @@ def without_simulator(what: str) -> UsageRefused:
     return UsageRefused(f"{what} needs the simulator, which seamark-client is without: {how}.")
 
 
+def need_simulator(what: str) -> None:
+    """Raise UsageRefused if `seamark-client` is installed alone."""
+    if not has_simulator():
+        raise without_simulator(what)
+
+
 def missing(packages: Iterable[str]) -> list[str]:
     """Return those packages that cannot be imported, without importing them."""
     return [name for name in packages if importlib.util.find_spec(name) is None]

@@ -27,7 +27,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "tune": ("tune:tune", "Search for the best settings, and check them on fresh trials."),
     "submit": ("submit:submit", "Submit a run to a server."),
     "compare": ("compare:compare", "Compare results or runs of a server side by side."),
-    "competition": ("competition:competition", "Check a competition from its audit file."),
+    "competition": ("competition:competition", "Organise competitions, take part and check them."),
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "demonstrations": (
@@ -53,7 +53,7 @@ PRIVATE_UMASK = 0o077
 # Objects made and not yet deleted, between two collections. Of modules and of a large answer hardly
 # anything is garbage in a cycle: to look for it every 700 objects took a sixth of a server's start.
 GARBAGE_AFTER = 20_000
-OF_CLIENT = frozenset(("submit", "compare", "leaderboard", "export", "completion"))
+OF_CLIENT = frozenset(("submit", "compare", "competition", "leaderboard", "export", "completion"))
 SERVICE = frozenset(  # need the extra `server`
     ("up", "user", "token", "mail", "audit", "backup", "restore", "db", "web", "worker")
 )

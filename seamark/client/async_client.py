@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping, Sequence
+from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Literal
 
 import httpx
 from typing_extensions import Self, Unpack
@@ -143,6 +144,68 @@ class AsyncClient:
     ) -> LeaderboardDocument:
         """Return a page of a leaderboard; `next` of a page is the `after` of the following one."""
         return await self._session.do(self._calls.leaderboard(benchmark, query))
+
+    async def competitions(self) -> dict[str, Any]:
+        """Return the competitions that are open or have ended, and the account's own drafts."""
+        return await self._session.do(self._calls.competitions())
+
+    async def competition(self, name: str) -> dict[str, Any]:
+        """Return a competition with its rounds and its document."""
+        return await self._session.do(self._calls.competition(name))
+
+    async def create_competition(
+        self,
+        document: Mapping[str, Any],
+        *,
+        picture: str | Path | None = None,
+        vehicle: str | Path | None = None,
+        replace: bool = False,
+    ) -> dict[str, Any]:
+        """Make a draft of a competition, or with `replace` change the draft of this name.
+
+        The reference entries check it at once; see `competition_check`.
+
+        Raises
+        ------
+        ServerRefused, ServerUnavailable
+        OSError
+            The picture or the vehicle cannot be read.
+        """
+        given = {"picture": picture, "vehicle": vehicle}
+        files = {name: file for name, file in given.items() if file is not None}
+        call = self._calls.write_competition(document, files, replaces=replace)
+        return await self._session.do(call)
+
+    async def competition_check(self, name: str) -> dict[str, Any]:
+        """Return how far the check of a competition is, and its report once it has ended."""
+        return await self._session.do(self._calls.competition(name, "/check"))
+
+    async def open_competition(self, name: str) -> dict[str, Any]:
+        """Open a draft whose check has ended; what it asks never changes from now on."""
+        return await self._session.do(self._calls.change_competition(name, "/open"))
+
+    async def move_round(
+        self, name: str, number: int, *, until: float, reason: str
+    ) -> dict[str, Any]:
+        """Move the end of a round, or the beginning of a final, to a time [s since 1970, UTC]."""
+        body = {"until": until, "reason": reason}
+        step = f"/rounds/{number}/move"
+        return await self._session.do(self._calls.change_competition(name, step, body))
+
+    async def join_team(self, name: str, code: str) -> dict[str, Any]:
+        """Join the team with a code, or the link to it, and agree on the competition's rules."""
+        body = {"code": code, "agree": True}
+        return await self._session.do(self._calls.change_competition(name, "/teams/join", body))
+
+    async def competition_entries(self, name: str) -> dict[str, Any]:
+        """Return what the account's team has submitted, and how much is left in this round."""
+        return await self._session.do(self._calls.competition(name, "/entries"))
+
+    async def competition_board(
+        self, name: str, number: int, *, per: Literal["team", "method"] = "team"
+    ) -> dict[str, Any]:
+        """Return the board of a round; of a hidden one the rows of the account's team."""
+        return await self._session.do(self._calls.board(name, number, per))
 
     async def benchmarks(self) -> list[BenchmarkDocument]:
         """Return all benchmarks of the server."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Mapping, Sequence
+from datetime import date, time
 from pathlib import Path
 from typing import Any, BinaryIO, Final, cast
+from urllib.parse import quote
 
 import httpx
 
@@ -40,6 +42,7 @@ RUN_KEYS = (
     "links",
 )
 _FILES = ("program", "vehicle", "tracker_program", "detector_program")  # of a submission
+_JSON = "application/json"
 FIRST_ANSWER_S = 4.0  # of pauses until an address that has never answered is given up
 SWEEP_KEYS = ("id", "live", "best", "cells", "links")
 
@@ -149,6 +152,40 @@ class Calls:
         document = yield from self.document("GET", "/benchmarks", needs=("benchmarks",))
         return cast("list[BenchmarkDocument]", document["benchmarks"])
 
+    def competitions(self) -> Call[dict[str, Any]]:
+        """Return the open competitions and the drafts of the account."""
+        return self.document("GET", "/competitions", needs=("competitions", "drafts"))
+
+    def competition(self, name: str, step: str = "") -> Call[dict[str, Any]]:
+        """Return a competition, or what is below its address, such as its check or own team."""
+        return self.document("GET", _competition(name) + step)
+
+    def write_competition(
+        self, values: Mapping[str, Any], files: Mapping[str, str | Path], *, replaces: bool
+    ) -> Call[dict[str, Any]]:
+        """Make a draft, or replace the one of this name."""
+        text = json.dumps(dict(values), default=_text_of_time)
+        content: dict[str, Any] = {"content": text, "headers": {"Content-Type": _JSON}}
+        if files:
+            paths = {name: Path(file) for name, file in files.items()}
+            parts = {name: (path.name, path.read_bytes()) for name, path in paths.items()}
+            content = {"data": {"document": text}, "files": parts}
+        method, path = "POST", "/competitions"
+        if replaces:
+            method, path = "PUT", _competition(str(values.get("name", "")))
+        return self.document(method, path, needs=("name", "state"), **content)
+
+    def change_competition(
+        self, name: str, step: str, body: Mapping[str, object] | None = None
+    ) -> Call[dict[str, Any]]:
+        """Open a competition, move a round of it, or join a team."""
+        return self.document("POST", _competition(name) + step, json=dict(body or {}))
+
+    def board(self, name: str, number: int, per: str) -> Call[dict[str, Any]]:
+        """Return the board of a round."""
+        path = f"{_competition(name)}/rounds/{number}/board"
+        return self.document("GET", path, params={"per": per}, needs=("rows", "hidden"))
+
     def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes, dict[str, str]]]:
         """Return the names of the columns, all rows so far as little-endian float64, and units."""
         response = yield from self.send("GET", f"/runs/{run_id}/telemetry.f64")
@@ -211,3 +248,14 @@ class Calls:
         request = Request("POST", API + path, content | {"headers": headers}, self._signed_in)
         response = yield from self._exchange(request)
         return exchange.document(self.server, response, needs)
+
+
+def _competition(name: str) -> str:
+    return f"/competitions/{quote(name, safe='')}"
+
+
+def _text_of_time(value: object) -> str:
+    """Return a date or time as TOML files have them; raises TypeError for anything else."""
+    if isinstance(value, date | time):
+        return value.isoformat()
+    raise TypeError(f"A document has no {type(value).__name__}.")

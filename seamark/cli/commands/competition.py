@@ -1,95 +1,20 @@
-"""`seamark competition`: competitions, from the side of who checks them."""
+"""`seamark competition`: organise competitions, take part in them, and check them."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
 import click
 
-from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import json_option
-from seamark.failures import UsageRefused
-
-if TYPE_CHECKING:
-    from seamark.competitions.findings import Finding
-
-_COLOURS = {"good": "green", "warning": "yellow", "problem": "red"}
+from seamark.cli.commands import competition_audit, competition_draft, competition_team
 
 
 @click.group()
 def competition() -> None:
-    """Check a competition; docs/competitions.md describes it."""
+    """Organise a competition, take part in one or check it; see docs/competitions.md."""
 
 
-@competition.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option(
-    "--recompute",
-    is_flag=True,
-    help="Also compute the runs of built-in solutions again: minutes for each.",
-)
-@json_option
-def audit(*, file: Path, recompute: bool, as_json: bool) -> None:
-    """Compute anew what follows from the audit FILE of a competition, and say what is wrong.
-
-    That is the SHA-256 of its frozen document, whether rounds and rules are those in it, the
-    commitments of the revealed keys, the seed of each run, the means of all scores, and the
-    standings of the final. Compare the commitments that it prints with those that were published
-    before the rounds. Exit code 1: something is wrong.
-
-    \b
-    Examples:
-      seamark competition audit audit.json
-      seamark competition audit audit.json --recompute
-    """
-    from seamark.competitions.findings import Level
-
-    document = _read(file)
-    findings = _checked(file, document)
-    if recompute:
-        from seamark.cli.competition_runs import recomputed
-        from seamark.competitions.audit_document import read
-
-        findings += recomputed(read(document), quiet=as_json)
-    problems = sum(finding.level == Level.PROBLEM for finding in findings)
-    if as_json:
-        told = [{"level": each.level, "sentence": each.sentence} for each in findings]
-        print_json({"sound": problems == 0, "findings": told})
-    else:
-        _show(findings, problems)
-    exit_with(1 if problems else 0)
-
-
-def _read(file: Path) -> dict[str, Any]:
-    from seamark.competitions.audit_document import BYTES_MAX, AuditInvalid, load
-
-    with file.open("rb") as stream:
-        content = stream.read(BYTES_MAX + 1)
-    try:
-        return load(content)
-    except AuditInvalid as reason:
-        raise UsageRefused(f"{file.name} is no audit file: {reason}.") from None
-
-
-def _checked(file: Path, document: dict[str, Any]) -> list[Finding]:
-    from seamark.competitions.audit import verify
-    from seamark.competitions.audit_document import AuditInvalid
-
-    try:
-        return verify(document)
-    except AuditInvalid as reason:
-        raise UsageRefused(f"{file.name} cannot be checked: {reason}.") from None
-
-
-def _show(findings: list[Finding], problems: int) -> None:
-    from seamark.sandbox.printable_text import printable_text
-
-    for finding in findings:
-        mark = click.style(f"{finding.level:<7}", fg=_COLOURS[finding.level])
-        click.echo(f"{mark} {printable_text(finding.sentence)}")
-    click.echo("")
-    if problems:
-        click.echo(f"{problems} of {len(findings)} checks found something wrong; see above.")
-    else:
-        click.echo("Nothing is wrong with what can be checked.")
+for _command in (
+    *(competition_draft.init, competition_draft.check, competition_draft.create),
+    *(competition_draft.open_up, competition_draft.move),
+    *(competition_team.show, competition_team.join, competition_audit.audit),
+):
+    competition.add_command(_command)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,9 +49,14 @@ GUEST = (
 @click.option("--wait", is_flag=True, help="Wait until the run, or the sweep, has ended.")
 @click.option("--publish", is_flag=True, help="Wait, and make the run public if it succeeds.")
 @click.option(
+    "--competition",
+    metavar="NAME",
+    help="Submit it for your team to the round of a competition that is open.",
+)
+@click.option(
     "--method",
     default="",
-    help="With --publish: name of the method, which the leaderboard shows.  "
+    help="With --publish or --competition: name of the method, which the leaderboard shows.  "
     "[default: label of the built-in solution]",
 )
 @click.option(
@@ -77,6 +83,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     swept: tuple[str, ...],
     wait: bool,
     publish: bool,
+    competition: str | None,
     method: str,
     licence: str | None,
     results_only: bool,
@@ -96,6 +103,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         --method "Sliding mode with observer" --licence MIT --token $TOKEN
       seamark submit currents-v3 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
       seamark submit currents-v3 --controller pi --set vehicle=my_rov.toml --token $TOKEN
+      seamark submit currents-v3 --controller my_controller.py --competition harbour-cup-v1 \\
+        --method "Sliding mode with observer" --token $TOKEN
     """
     from seamark.cli.configuration import read_settings, taken_vehicle, typed_if_known
     from seamark.cli.server_answers import refusals_shown
@@ -118,6 +127,9 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         "title": title,
     }
     axes = read_settings(None, swept, option="--sweep")
+    fixed = {"--ranked": ranked, "--sweep": bool(axes), "--publish": publish}
+    fixed |= {"--seed": seed is not None, "--trials": trials is not None}
+    submission |= _entry(competition, method, token, fixed)
     terms: PublicationTerms = {
         "method": method,
         "program": not results_only,
@@ -127,7 +139,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     if publish:
         own = program is not None or bool(own_parts)
         _check_publication(terms, sweep=bool(axes), own_program=own, token=token)
-    elif method or licence or results_only or anonymous:
+    elif (method and competition is None) or licence or results_only or anonymous:
         raise UsageRefused("--method, --licence, --results-only and --anonymous need --publish.")
     with refusals_shown(), Client(server, token) as client:
         try:
@@ -179,6 +191,25 @@ def _check_publication(
         raise UsageRefused("Name the method that you publish, with --method.")
     if terms["licence"] is not None and not (own_program and terms["program"]):
         raise UsageRefused(NO_PROGRAM)
+
+
+def _entry(
+    competition: str | None, method: str, token: str | None, fixed: Mapping[str, bool]
+) -> SubmissionOptions:
+    """Return what makes a run an entry of a competition.
+
+    Raises
+    ------
+    UsageRefused
+        An option says what the competition fixes, or there is no account.
+    """
+    if competition is None:
+        return {}
+    if wrong := next((name for name, is_given in fixed.items() if is_given), ""):
+        raise UsageRefused(f"A competition fixes what {wrong} says: leave it out.")
+    if not token:
+        raise UsageRefused("A competition needs an account: name its token with --token.")
+    return {"competition": competition, "method": method}
 
 
 def _finish_run(run: Run, *, wait: bool, terms: PublicationTerms | None, as_json: bool) -> None:

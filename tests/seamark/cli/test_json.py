@@ -36,6 +36,8 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "vehicle import": "hull.urdf -o hull.toml",
     "completion": "bash",
     "competition audit": "audit.json",
+    "competition init": "cup.toml",
+    "competition check": "cup.toml",
     "user add": "zoe",
     "user import": "names.txt",
     "user invite": "--count 2",
@@ -57,6 +59,8 @@ ELSEWHERE = frozenset(
     {
         *("run", "rerun", "replay", "export", "plot", "tune", "up", "doctor"),
         *("db reference-entries", "db grant-worker", "mail test"),
+        *("competition create", "competition open", "competition move"),
+        *("competition show", "competition join"),
         *("bridge rosbridge", "bridge ardusub", "current", "identify", "track"),
     }
 )  # they take long, log or need a server, and have tests that read their JSON

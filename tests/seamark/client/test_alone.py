@@ -14,7 +14,8 @@ from packaging.requirements import Requirement
 
 from seamark.cli.main import OF_CLIENT
 from seamark.server.web.own_wheel import CLIENT, OwnWheel
-from tests.cast import PROGRAM
+from tests.cast import PROGRAM, Backend
+from tests.server.judging.cup import NAME, Cup
 
 SEAMARK = Path(__file__).parents[3] / "seamark"
 LARGEST_MB = 15.0
@@ -75,7 +76,7 @@ def test_what_it_needs_is_small_and_pure_python() -> None:
 
 @pytest.mark.slow
 def test_it_submits_follows_compares_and_downloads(
-    alone: Path, address: str, token: str, worker: None, tmp_path: Path
+    alone: Path, backend: Backend, address: str, token: str, worker: None, tmp_path: Path
 ) -> None:
     folder = tmp_path / "mine"
     folder.mkdir()
@@ -89,11 +90,14 @@ def test_it_submits_follows_compares_and_downloads(
     compared = _seamark(alone, folder, "compare", "1", "2", *server)
     board = _seamark(alone, folder, "leaderboard", "currents-v1", *server)
     kept = _seamark(alone, folder, "export", "1", "--format", "csv", "-o", "run.csv", *server)
+    Cup.opened(backend).team("ann")
+    cup = _seamark(alone, folder, "competition", "show", NAME, *server)
 
-    for done in (first, second, compared, board, kept):
+    for done in (first, second, compared, board, cup, kept):
         assert done.returncode == 0, done.stderr
     assert "Score 50" in first.stdout
     assert "Differences of scores" in compared.stdout
+    assert "Your team is Team ann." in cup.stdout
     assert (folder / "run.csv").read_text("utf-8").startswith("# ")
 
 
@@ -107,7 +111,11 @@ def test_what_needs_the_simulator_says_how_to_get_it(alone: Path, tmp_path: Path
     )
     result = tmp_path / "result"
     result.mkdir()
-    for words in (("export", "result", "--format", "csv"), ("compare", "result", "result")):
+    (tmp_path / "audit.json").write_text("{}")
+    for words in (
+        *(("export", "result", "--format", "csv"), ("compare", "result", "result")),
+        *(("competition", "audit", "audit.json"), ("competition", "check", "cup.toml")),
+    ):
         done = _seamark(alone, tmp_path, *words)
 
         assert (done.returncode, "needs the simulator" in done.stderr) == (2, True), done.stderr
