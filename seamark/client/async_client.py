@@ -178,28 +178,27 @@ class AsyncClient:
 
     async def competition_check(self, name: str) -> dict[str, Any]:
         """Return how far the check of a competition is, and its report once it has ended."""
-        return await self._session.do(self._calls.competition(name, "/check"))
+        return await self._session.do(self._calls.competition_check(name))
 
     async def open_competition(self, name: str) -> dict[str, Any]:
         """Open a draft whose check has ended; what it asks never changes from now on."""
-        return await self._session.do(self._calls.change_competition(name, "/open"))
+        return await self._session.do(self._calls.change_competition(name, "open"))
 
     async def move_round(
         self, name: str, number: int, *, until: float, reason: str
     ) -> dict[str, Any]:
         """Move the end of a round, or the beginning of a final, to a time [s since 1970, UTC]."""
         body = {"until": until, "reason": reason}
-        step = f"/rounds/{number}/move"
+        step = f"rounds/{number}/move"
         return await self._session.do(self._calls.change_competition(name, step, body))
 
     async def join_team(self, name: str, code: str) -> dict[str, Any]:
         """Join the team with a code, or the link to it, and agree on the competition's rules."""
-        body = {"code": code, "agree": True}
-        return await self._session.do(self._calls.change_competition(name, "/teams/join", body))
+        return await self._session.do(self._calls.join_team(name, code))
 
     async def competition_entries(self, name: str) -> dict[str, Any]:
         """Return what the account's team has submitted, and how much is left in this round."""
-        return await self._session.do(self._calls.competition(name, "/entries"))
+        return await self._session.do(self._calls.competition_entries(name))
 
     async def competition_board(
         self, name: str, number: int, *, per: Literal["team", "method"] = "team"

@@ -44,6 +44,11 @@ RUN_KEYS = (
 _FILES = ("program", "vehicle", "tracker_program", "detector_program")  # of a submission
 _JSON = "application/json"
 FIRST_ANSWER_S = 4.0  # of pauses until an address that has never answered is given up
+COMPETITION_KEYS = (
+    *("name", "title", "question", "benchmark", "zone", "state", "teams", "own_team"),
+    *("rounds", "document", "digest", "links"),
+)
+BOARD_KEYS = ("round", "hidden", "rows", "reference_entries")
 SWEEP_KEYS = ("id", "live", "best", "cells", "links")
 
 
@@ -156,9 +161,19 @@ class Calls:
         """Return the open competitions and the drafts of the account."""
         return self.document("GET", "/competitions", needs=("competitions", "drafts"))
 
-    def competition(self, name: str, step: str = "") -> Call[dict[str, Any]]:
-        """Return a competition, or what is below its address, such as its check or own team."""
-        return self.document("GET", _competition(name) + step)
+    def competition(self, name: str) -> Call[dict[str, Any]]:
+        """Return a competition."""
+        return self.document("GET", _competition(name), needs=COMPETITION_KEYS)
+
+    def competition_check(self, name: str) -> Call[dict[str, Any]]:
+        """Return the check of a competition."""
+        needs = ("ended", "asked", "waiting", "findings")
+        return self.document("GET", f"{_competition(name)}/check", needs=needs)
+
+    def competition_entries(self, name: str) -> Call[dict[str, Any]]:
+        """Return what the team of the account has submitted."""
+        path = f"{_competition(name)}/entries"
+        return self.document("GET", path, needs=("entries", "left"))
 
     def write_competition(
         self, values: Mapping[str, Any], files: Mapping[str, str | Path], *, replaces: bool
@@ -173,18 +188,24 @@ class Calls:
         method, path = "POST", "/competitions"
         if replaces:
             method, path = "PUT", _competition(str(values.get("name", "")))
-        return self.document(method, path, needs=("name", "state"), **content)
+        return self.document(method, path, needs=COMPETITION_KEYS, **content)
 
     def change_competition(
         self, name: str, step: str, body: Mapping[str, object] | None = None
     ) -> Call[dict[str, Any]]:
-        """Open a competition, move a round of it, or join a team."""
-        return self.document("POST", _competition(name) + step, json=dict(body or {}))
+        """Open a competition, or move a round of it."""
+        path, sent = f"{_competition(name)}/{step}", dict(body or {})
+        return self.document("POST", path, needs=COMPETITION_KEYS, json=sent)
+
+    def join_team(self, name: str, code: str) -> Call[dict[str, Any]]:
+        """Join a team and agree on the rules."""
+        path, body = f"{_competition(name)}/teams/join", {"code": code, "agree": True}
+        return self.document("POST", path, needs=("name", "members"), json=body)
 
     def board(self, name: str, number: int, per: str) -> Call[dict[str, Any]]:
         """Return the board of a round."""
         path = f"{_competition(name)}/rounds/{number}/board"
-        return self.document("GET", path, params={"per": per}, needs=("rows", "hidden"))
+        return self.document("GET", path, params={"per": per}, needs=BOARD_KEYS)
 
     def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes, dict[str, str]]]:
         """Return the names of the columns, all rows so far as little-endian float64, and units."""

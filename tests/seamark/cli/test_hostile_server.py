@@ -4,6 +4,7 @@ import json
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -41,6 +42,52 @@ ENDED: dict[str, dict[str, Any]] = {
     "unknown": RUN | {"state": f"cancelled{ESCAPES}"},
     "refused": {"type": ESCAPES, "status": 422, "title": ESCAPES, "detail": ESCAPES},
 }
+
+
+COMPETITION: dict[str, Any] = {
+    **dict.fromkeys(("name", "title", "question", "benchmark", "zone", "state"), ESCAPES),
+    **dict.fromkeys(("own_team", "digest"), ESCAPES),
+    "teams": ESCAPES,
+    "document": {},
+    "links": {"page": ESCAPES},
+    "rounds": [
+        {
+            **dict.fromkeys(("number", "kind", "quota", "trials"), ESCAPES),
+            **{"opens_at": 1e300, "closes_at": -1e300, "accepts": False, "decided_at": None},
+        }
+    ],
+}
+BOARD_ROW = {
+    **dict.fromkeys(("place", "place_low", "place_high", "team", "method", "run"), ESCAPES),
+    **dict.fromkeys(("score", "score_low", "score_high"), 1e300),
+}
+BOARD = {"round": ESCAPES, "hidden": True, "rows": [BOARD_ROW], "reference_entries": [BOARD_ROW]}
+CHECK = {
+    **{"ended": True, "asked": 1, "waiting": 0},
+    "findings": [{"level": ESCAPES, "sentence": ESCAPES}],
+}
+TEAM = {"name": ESCAPES, "members": [{"name": ESCAPES}]}
+
+
+class CompetitionHandler(BaseHTTPRequestHandler):
+    """Answers whatever is asked about competitions with escape sequences."""
+
+    def do_GET(self) -> None:
+        known = {"board": BOARD, "check": CHECK, "join": TEAM}
+        path = self.path.partition("?")[0]
+        body = json.dumps(known.get(path.rpartition("/")[2], COMPETITION)).encode()
+        self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        self.send_response(200)
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def do_POST(self) -> None:
+        self.do_GET()
+
+    def log_message(self, *arguments: object) -> None:
+        """Print nothing."""
 
 
 @pytest.fixture(params=ENDED)
@@ -82,3 +129,31 @@ def test_nothing_that_a_server_answers_acts_on_the_terminal(server: str) -> None
     assert answer.output.strip()
     assert not ACTING & set(answer.output)
     assert not isinstance(answer.exception, (KeyError, TypeError, ValueError))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("show", "cup-v1", "--round", "1"),
+        ("check", "cup-v1"),
+        ("open", "cup-v1"),
+        ("move", "cup-v1", "1", "--until", "2027-05-01T12:00", "--reason", "Rain."),
+        ("create", "cup.toml"),
+        ("join", "{server}/competitions/cup-v1/join/ABCDE-12345", "--agree"),
+    ],
+)
+def test_nothing_of_a_competition_acts_on_the_terminal(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    CliRunner().invoke(cli, ["competition", "init", "cup.toml"])
+    with ThreadingHTTPServer(("127.0.0.1", 0), CompetitionHandler) as listening:
+        threading.Thread(target=listening.serve_forever, args=(0.02,), daemon=True).start()
+        server = f"http://127.0.0.1:{listening.server_address[1]}"
+        given = [word.format(server=server) for word in words]
+        answer = CliRunner().invoke(cli, ["competition", *given, "--server", server])
+        listening.shutdown()
+
+    assert answer.exit_code == 0, answer.output
+    assert answer.output.strip()
+    assert not ACTING & set(answer.output)

@@ -2,11 +2,16 @@
 
 import io
 import json
+import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
+from sqlalchemy import update
 
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.competition_tables import Round
+from seamark.server.judging.entries import NOT_NOW
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
 from tests.server.judging.cup import DAY_S, FINAL, NAME, QUALIFICATION, Cup, round_of, values
@@ -250,3 +255,21 @@ def test_a_submission_after_the_round_is_refused(hall: Site) -> None:
 
     assert answer.status_code == 422
     assert "No round of this competition accepts" in answer.get_json()["detail"]
+
+
+def test_a_round_that_closes_while_a_submission_is_on_its_way_refuses_it(hall: Site) -> None:
+    cup = Cup.opened(hall)
+    cup.team("ann")
+    with ThreadPoolExecutor(1) as threads:
+        with hall.database.writing() as session:
+            acquire(session, AdvisoryLock.SUBMISSION)
+            answer = threads.submit(submit, hall)
+            time.sleep(0.5)  # the round was open when the request began
+            of_cup = (Round.competition_id == cup.id, Round.number == QUALIFICATION)
+            session.execute(update(Round).where(*of_cup).values(closes_at=time.time()))
+        refused = answer.result()
+
+    assert refused.status_code == 422
+    # On SQLite the request waits before it reads: its token is marked as used.
+    assert refused.get_json()["detail"] in {"This round has closed.", NOT_NOW}
+    assert entries(hall)["entries"] == []
