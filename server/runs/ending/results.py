@@ -72,6 +72,8 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     is_baseline = _is_baseline(session, claim)
     refusal = None if is_baseline else _refusal(session, claim, report)
     allowed = is_baseline or bool(metrics.get("rankable", True))
+    entered = entries.record(session, claim.run_id, report.metrics)
+    refusal = refusal or entered
     session.add(
         Result(
             run_id=claim.run_id,
@@ -92,7 +94,6 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     )
     session.flush()
     assignments.score(session, claim.run_id, score)
-    entries.record(session, claim.run_id, report.metrics)
     if report.state is RunState.SUCCEEDED and claim.controller != ROSBRIDGE:
         _record_pace(session, claim.run_id)
     best_runs.recount(session, claim.run_id)

@@ -101,11 +101,14 @@ def access_of(session: Session, run: Run) -> EntryAccess | None:
     )
 
 
-def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> None:
-    """Store the score of an entry whose run has succeeded, in the transaction of its result."""
+def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> str | None:
+    """Store the score of an entry whose run has succeeded, in the transaction of its result.
+
+    Returns why it has none; None if it has one, and if the run is no entry.
+    """
     entry = session.get(Entry, run_id)
     if entry is None or metrics is None:
-        return
+        return None
     run = session.get_one(Run, run_id)
     is_mark = entry.team_id is None
     scored = score(run.benchmark, run.config, metrics, excused=1.0 if is_mark else EXCUSED_SHARE)
@@ -114,6 +117,7 @@ def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> 
         entry.scores = list(scored.scores)
         entry.score, entry.score_low, entry.score_high = scored.score, scored.low, scored.high
         entry.standard_error, entry.degrees = scored.standard_error, scored.degrees
+    return scored.refusal
 
 
 def score(

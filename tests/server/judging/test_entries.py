@@ -178,6 +178,7 @@ def test_an_entry_that_breaks_rules_in_too_many_trials_has_no_score(cup: Cup) ->
     cup.finish(run_id, [40.0, 41.0, 42.0], broken=1)
 
     assert "It hit the bottom. So in 1 of 3 trials." in (own(cup, "ann")[0].refusal or "")
+    assert cup.backend.show(run_id).not_ranked == own(cup, "ann")[0].refusal
     assert cup.board(QUALIFICATION).rows == ()
 
 
