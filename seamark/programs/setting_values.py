@@ -66,3 +66,17 @@ def label_of(entry: Schema, value: object) -> str:
     text = text_of(value)
     label: str = (entry.get("x-labels") or labels).get(text, text)
     return label
+
+
+def differences(benchmark: Benchmark, values: Mapping[str, object]) -> list[tuple[str, str, str]]:
+    """Return title, unit and value, for readers, of the settings that differ from the defaults."""
+    properties: Mapping[str, Schema] = benchmark.schema()["properties"]
+    return [
+        (
+            properties[name]["title"],
+            properties[name].get("x-unit", ""),
+            label_of(properties[name], value),
+        )
+        for name, value in values.items()
+        if value != properties[name].get("default")
+    ]

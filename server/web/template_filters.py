@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from flask import Flask
 
+from seamark.competitions import zones
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.runs.data.error_curve import UNITS, error_column
 from seamark.server.runs.data.run_size import size
@@ -31,7 +32,7 @@ def register(app: Flask) -> None:
     of_runs = (solution, team, entry_name, qualifier, score_unit, error_unit, changed_scenario)
     of_scores = (score, signed)
     of_values = (number, plain, ordinal, duration, about, size, words, language)
-    for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
+    for function in (*of_runs, *of_scores, *of_values, utc, iso, ago, ahead, in_zone):
         app.add_template_filter(function)
 
 
@@ -135,6 +136,21 @@ def ago(epoch_s: float) -> str:
         if count:
             return f"{count} {name}{'s' if count > 1 else ''} ago"
     return "just now"
+
+
+def ahead(epoch_s: float) -> str:
+    """Return how far ahead a time is, in the largest whole unit."""
+    left = epoch_s - time.time()
+    for length, name in _STEPS:
+        count = int(left // length)
+        if count:
+            return f"in {count} {name}{'s' if count > 1 else ''}"
+    return "in less than a minute"
+
+
+def in_zone(epoch_s: float, zone: str) -> str:
+    """Return a time as clocks in a zone (IANA) show it."""
+    return zones.in_zone(epoch_s, zone).strftime("%a %d %b %Y, %H:%M")
 
 
 def duration(seconds: float | None) -> str:

@@ -5,21 +5,22 @@ from datetime import UTC, datetime
 from flask import Blueprint, Response, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts.permissions import Action, can
+from seamark.programs.setting_values import differences
 from seamark.server.classes import assignments, progress
 from seamark.server.classes.assignments import PRACTICE, RANKED, Draft
 from seamark.server.classes.classrooms import PAGE, ClassView
 from seamark.server.classes.refusals import ClassRefused
-from seamark.server.runs.record.states import RunKind
-from seamark.server.runs.showing import run_lists, views
-from seamark.server.runs.showing.views import RunView
-from seamark.server.runs.submission import assigned
-from seamark.server.web import access, assignment_csv, class_access, csv_export, known_benchmarks
+from seamark.server.web import (
+    assignment_csv,
+    class_access,
+    csv_export,
+    known_benchmarks,
+    template_runs,
+)
 from seamark.server.web.services import services
-from seamark.server.web.url_converters import row_id
+from seamark.server.web.template_runs import NoTemplate
 from seamark.sim.settings.refusal import ConfigurationInvalid
 
-CHOICES_MAX = 100  # runs of the teacher that the form offers
 page = Blueprint("assignments", __name__)
 
 
@@ -70,7 +71,7 @@ def show(assignment_id: int) -> ResponseReturnValue:
         assignment=assignment,
         benchmark=benchmark,
         headline=benchmark.headline_of(benchmark.restore(assignment.config)),
-        settings=assigned.fixed_changes(assignment),
+        settings=differences(benchmark, assignment.fixed()),
         teaches=teaches,
         pupils=listed,
         totals=totals,
@@ -133,7 +134,10 @@ def _draft() -> Draft:
     """Return the posted assignment; raises ClassRefused."""
     form = request.form
     benchmark, kind = form.get("benchmark", ""), form.get("kind", PRACTICE)
-    run = _visible_practice_run(form.get("run", "")) if kind == "run" else None
+    try:
+        run = template_runs.chosen(form.get("run", "")) if kind == "run" else None
+    except NoTemplate as refusal:
+        raise ClassRefused(str(refusal), field="run") from None
     return Draft(
         title=form.get("title", ""),
         instructions=_instructions(),
@@ -144,20 +148,6 @@ def _draft() -> Draft:
         trials=_whole("trials", "The number of trials") or 1,
         deadline=_deadline(),
     )
-
-
-def _visible_practice_run(text: str) -> RunView:
-    """Return the practice run whose settings are assigned; raises ClassRefused."""
-    try:
-        with services().database.reading() as session:
-            run = views.show(session, row_id(text))
-    except ValueError:
-        run = None
-    if run is None or not can(access.viewer(), Action.VIEW, run):
-        raise ClassRefused("Choose one of your runs.", field="run")
-    if run.kind is not RunKind.PRACTICE:
-        raise ClassRefused("Choose a practice run, or assign ranked runs.", field="run")
-    return run
 
 
 def _whole(name: str, what: str) -> int | None:
@@ -191,18 +181,6 @@ def _as_input(deadline: float | None) -> str:
     return datetime.fromtimestamp(deadline, UTC).strftime("%Y-%m-%dT%H:%M")
 
 
-def _runs_to_choose() -> list[RunView]:
-    """Return the newest practice runs of the viewer, after the one that the address names."""
-    wanted = run_lists.RunFilter(kind=RunKind.PRACTICE)
-    with services().database.reading() as session:
-        own = run_lists.page(session, g.viewer, wanted, limit=CHOICES_MAX).runs
-    try:
-        named = _visible_practice_run(request.values.get("run", ""))
-    except ClassRefused:
-        return list(own)
-    return [named, *(run for run in own if run.id != named.id)]
-
-
 def _form(room: ClassView, errors: dict[str, str] | None = None) -> str:
     return render_template(
         "assignments/new.html",
@@ -214,5 +192,5 @@ def _form(room: ClassView, errors: dict[str, str] | None = None) -> str:
         title_max=assignments.TITLE_MAX,
         instructions_max=assignments.INSTRUCTIONS_MAX,
         run=request.values.get("run", ""),
-        runs=_runs_to_choose(),
+        runs=template_runs.to_choose(request.values.get("run", "")),
     )

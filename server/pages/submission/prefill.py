@@ -10,7 +10,11 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
+from seamark.server.competitions import competitions, teams
+from seamark.server.competitions.competitions import CompetitionView, RoundView
+from seamark.server.competitions.teams import TeamView
 from seamark.server.database.tables import Run
+from seamark.server.judging import entries
 from seamark.server.programs import store, vehicles
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
@@ -26,6 +30,7 @@ from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 _DELETED = "it has been deleted"
+_NOT_OF_ENTRIES = ("kind", "seed", "trials", "title")  # fields that a competition decides
 EDITED_MAX_BYTES = 256 * 1024  # a larger program is kept as a file, not shown in the editor
 
 
@@ -41,9 +46,35 @@ class Prefill:
     note: str = ""  # a sentence: where it is from, and what is missing
 
 
+@dataclass(frozen=True, slots=True)
+class Entrant:
+    """A team and the round of a competition that it can submit to now."""
+
+    competition: CompetitionView
+    round: RoundView
+    team: TeamView
+    methods: tuple[str, ...]  # that it has submitted, the newest first
+    left: int  # submissions of this round
+
+    def fixed(self) -> dict[str, object]:
+        """Return setting -> value of what the competition fixes."""
+        return entries.fixed(self.competition, services().settings)
+
+
 def initial(benchmark: Benchmark) -> Prefill:
-    """Return what the URL asks for: an assignment, a run, a preset, or vehicle and controller."""
+    """Return what the URL asks for: a competition, an assignment, a run, a preset, or a choice."""
     run = _requested_run(benchmark)
+    name = _competition(run)
+    entrant = entrant_of(name)
+    if entrant is not None and entrant.competition.document.benchmark == benchmark.name:
+        return _for_competition(benchmark, entrant, run)
+    if name and "competition" in request.args:
+        shown = _without_competition(benchmark, run)
+        return replace(shown, note=f"{_not_entered(name)} {shown.note}".strip())
+    return _without_competition(benchmark, run)
+
+
+def _without_competition(benchmark: Benchmark, run: RunView | None) -> Prefill:
     assignment = _assignment(run)
     if assignment is not None and assignment.benchmark == benchmark.name:
         return _for_assignment(benchmark, assignment, run)
@@ -70,6 +101,36 @@ def assignment_of(text: str) -> AssignmentView | None:
             return assignments.open_for(session, row_id(text), g.viewer.user_id)
     except (ValueError, ClassRefused):
         return None
+
+
+def entrant_of(name: str) -> Entrant | None:
+    """Return who submits to the competition in a URL or form, if the viewer may do so now."""
+    if not name:
+        return None
+    with services().database.reading() as session:
+        competition = competitions.find(session, name)
+        if competition is None or competition.current is None:
+            return None
+        team = teams.of_user(session, competition.id, g.viewer.user_id)
+        if team is None:
+            return None
+        own = entries.own(session, competition, team.id)
+    methods = tuple(dict.fromkeys(entry.method for entry in own))
+    left = max(entries.left(own, competition.current), 0)
+    return Entrant(competition, competition.current, team, methods, left)
+
+
+def _competition(run: RunView | None) -> str:
+    """Return the competition of the URL, or else the one that the run of a team's counts in."""
+    if "competition" in request.args:
+        return request.args["competition"]
+    if run is None or run.entry is None or g.viewer.user_id not in run.entry.members:
+        return ""
+    return run.entry.competition
+
+
+def _not_entered(name: str) -> str:
+    return f"You cannot submit to {name[:60]} now: no round is open, or you are in no team."
 
 
 def _assignment(run: RunView | None) -> AssignmentView | None:
@@ -182,6 +243,21 @@ def _for_assignment(
         program=None if first is None else first.program,
         parts={} if first is None else first.parts,
         note="" if first is None else first.note,
+    )
+
+
+def _for_competition(benchmark: Benchmark, entrant: Entrant, run: RunView | None) -> Prefill:
+    """Return the form of an entry, with the program of a run if the URL has one too."""
+    first = None if run is None else _from_run(benchmark, run)
+    posted = {"controller": next(iter(benchmark.built_in))} if first is None else first.posted
+    method = "" if run is None or run.entry is None else run.entry.method
+    return Prefill(
+        values={**({} if first is None else first.values), **entrant.fixed()},
+        posted={name: text for name, text in posted.items() if name not in _NOT_OF_ENTRIES}
+        | {entries.FIELD: entrant.competition.name, entries.METHOD: method},
+        program=None if first is None else first.program,
+        parts={} if first is None else first.parts,
+        note="" if first is None else first.note.replace(" and seed", ""),
     )
 
 

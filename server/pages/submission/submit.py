@@ -8,9 +8,10 @@ from flask.typing import ResponseReturnValue
 from seamark.programs import archives, declarations, file_types, trial_limits
 from seamark.programs.parts import field as part_field
 from seamark.programs.preparation import TEXT_MAX_BYTES, UploadRejected
+from seamark.programs.setting_values import differences
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters, kinds
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.classes.assignments import AssignmentView
+from seamark.server.judging import entries
 from seamark.server.messaging import workers
 from seamark.server.pages.benchmark import form_fields
 from seamark.server.pages.submission import (
@@ -25,7 +26,7 @@ from seamark.server.pages.submission.prefill import Prefill
 from seamark.server.programs import vehicles
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle, VehicleRejected
-from seamark.server.runs.record import run_notes
+from seamark.server.runs.record import method_names, run_notes
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.submission import assigned, quota, submission, sweeps, validation
 from seamark.server.runs.submission.quota import QuotaExceeded
@@ -106,6 +107,8 @@ def _start(sent: Submission, posted: dict[str, str], *, only_check: bool) -> str
     if only_check:
         validation.validate(sent, settings)
         return ""
+    if axes and sent.entry is not None:
+        raise SubmissionRejected("An entry of a competition is one run, no sweep.", field="sweep")
     if not axes:
         valid = validation.validate(sent, settings)
         with database.writing() as session:
@@ -149,6 +152,12 @@ def _submission(
         title=posted.get("title", ""),
         rerun_of=None if source is None else source.id,
     )
+    if posted.get(entries.FIELD):
+        with services().database.reading() as session:
+            method = posted.get(entries.METHOD, "")
+            return entries.for_competition(
+                session, posted[entries.FIELD], method, sent, services().settings
+            )
     assignment = _whole(posted, "assignment", "The number of an assignment")
     if assignment is None:
         return sent
@@ -156,9 +165,9 @@ def _submission(
         return assigned.for_assignment(session, assignment, sent)
 
 
-def _changes_run(posted: dict[str, str], assignment: AssignmentView | None) -> bool:
+def _changes_run(posted: dict[str, str], *, fixed: bool) -> bool:
     """Return whether title, seed or trials differ from what the form starts with."""
-    if assignment is not None:
+    if fixed:
         return bool(posted.get("title"))
     named = any(posted.get(name) for name in ("title", "seed"))
     return named or posted.get("trials", "1") not in {"", "1"}
@@ -178,12 +187,14 @@ def _show(
 ) -> str:
     settings, posted, program = services().settings, prefilled.posted, prefilled.program
     kept = program if keep else None
-    assignment = prefill.assignment_of(posted.get("assignment", ""))
-    fixed = {} if assignment is None else assignment.fixed()
+    entrant = prefill.entrant_of(posted.get(entries.FIELD, ""))
+    assignment = prefill.assignment_of(posted.get("assignment", "")) if entrant is None else None
+    by = entrant or assignment
+    fixed = {} if by is None else by.fixed()
     values = {**prefilled.values, **fixed}
     schema = benchmark.schema()
     starters = editor_starters(benchmark.role, moves_arm=benchmark.moves_arm)
-    fields = {*schema["properties"], "program", "seed", "trials", "sweep"}
+    fields = {*schema["properties"], "program", "seed", "trials", "sweep", entries.METHOD}
     given = {**values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
@@ -201,22 +212,25 @@ def _show(
         benchmark=benchmark,
         text_max=TEXT_MAX_BYTES,
         title_max=run_notes.TITLE_MAX,
+        method_max=method_names.METHOD_MAX,
         benchmarks=known_benchmarks.menu(),
         newer=known_benchmarks.newer_than(benchmark.name),
         groups=groups,
         changed=sum(group.changed for group in groups if not (fixed and group.scenario)),
-        run_changed=_changes_run(posted, assignment),
+        run_changed=_changes_run(posted, fixed=by is not None),
         starting_points=benchmark.starting_points,
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         posted=posted,
         assignment=assignment,
+        entrant=entrant,
+        locked=by is not None,
         fixed=fixed,
-        fixed_changes=[] if assignment is None else assigned.fixed_changes(assignment),
+        fixed_changes=differences(benchmark, fixed),
         note=prefilled.note,
         errors=errors,
         parameters=shown,
-        sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
+        sweep=sweep_fields.shown(benchmark, program, posted, fixed=by is not None),
         kept=kept
         and {
             "program": kept,

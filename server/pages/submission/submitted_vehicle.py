@@ -18,6 +18,7 @@ from seamark.sim.vehicles import own
 
 FILE = "vehicle_file"  # `vehicle` is the choice among those that are known
 KEPT = "kept_vehicle"
+KEPT_NAME = "kept_vehicle_name"  # of forms without a choice among vehicles
 VALID_S = store.UNUSED_KEPT_S / 2
 
 

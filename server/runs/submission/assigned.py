@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from sqlalchemy.orm import Session
 
-from seamark.programs.setting_values import label_of
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
@@ -61,17 +60,3 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
             by="assignment",
         ),
     )
-
-
-def fixed_changes(assignment: AssignmentView) -> list[tuple[str, str, str]]:
-    """Return title, unit and value of the fixed settings that differ from the defaults."""
-    properties = registry.benchmark(assignment.benchmark).schema()["properties"]
-    return [
-        (
-            properties[name]["title"],
-            properties[name].get("x-unit", ""),
-            label_of(properties[name], value),
-        )
-        for name, value in assignment.fixed().items()
-        if value != properties[name].get("default")
-    ]

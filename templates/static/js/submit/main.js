@@ -16,6 +16,22 @@ const SENDING_MS = 4000; // for which a second click on the button is ignored
 const form = /** @type {RunForm} */ (need(document, "form#run-form", HTMLFormElement));
 const settings = new Settings(form);
 
+const isEntry = "entry" in form.dataset;
+
+/** @param {boolean} ranked */
+const kind = (ranked) => (isEntry ? "entry" : ranked ? "ranked" : "practice");
+
+/**
+ * What the button says.
+ * @param {boolean} ranked
+ */
+function label(ranked) {
+  if (isEntry) return "Submit entry";
+  if (ranked) return "Start ranked run";
+  const runs = sweepRuns(form);
+  return runs > 1 ? `Start ${runs} runs` : "Start run";
+}
+
 function showKind() {
   const { ranked } = settings;
   for (const field of all(form, "[data-practice]", HTMLElement)) {
@@ -31,14 +47,9 @@ function showKind() {
         ? ""
         : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
   }
-  const runs = sweepRuns(form);
-  need(form, "[data-submit-label]", HTMLElement).textContent = ranked
-    ? "Start ranked run"
-    : runs > 1
-      ? `Start ${runs} runs`
-      : "Start run";
+  need(form, "[data-submit-label]", HTMLElement).textContent = label(ranked);
   const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling?.textContent ?? "";
-  const parts = [solution, ranked ? "ranked" : "practice", settings.summary()];
+  const parts = [solution, kind(ranked), settings.summary()];
   need(form, "[data-summary]", HTMLElement).textContent = parts.filter(Boolean).join(" · ");
 }
 

@@ -1,0 +1,1 @@
+"""Competitions: for everybody, for teams and for their organisers."""
