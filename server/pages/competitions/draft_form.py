@@ -15,7 +15,12 @@ from seamark.competitions import zones
 from seamark.competitions.document import CompetitionDocument, Final, Round, RoundKind
 
 NAME_MAX = 56  # [character] of a suggested name without its version
-_TEXTS = ("name", "title", "question", "rules", "zone", "programs", "ties", "team_size", "methods")
+# Entry of a document -> field. A field "question" would be asked before the form is sent.
+_TEXTS = {
+    name: name
+    for name in ("name", "title", "rules", "zone", "programs", "ties", "team_size", "methods")
+} | {"question": "asks"}
+_OTHERS = ("rounds", "picture", "document")  # fields beside them that may be wrong
 _OF_ROUND = ("opens", "closes", "quota", "trials", "board")
 _OF_FINAL = ("opens", "trials", "batches", "finalists", "carry")
 _WEEK = timedelta(days=7)
@@ -67,7 +72,8 @@ def defaults(now: datetime) -> dict[str, str]:
 def of_document(document: CompetitionDocument) -> dict[str, str]:
     """Return the fields that give a document."""
     values = document.canonical()
-    fields = {name: str(values[name]) for name in (*_TEXTS, "benchmark")} | {"source": "kept"}
+    fields = {field: str(values[name]) for name, field in _TEXTS.items()}
+    fields |= {"benchmark": document.benchmark, "source": "kept"}
     practice = 0
     for one in document.rounds:
         practice += one.kind is RoundKind.PRACTICE
@@ -81,8 +87,8 @@ def values_of(posted: Mapping[str, str]) -> dict[str, Any]:
 
     What is left empty has its default; a name is suggested from the title.
     """
-    values: dict[str, Any] = {name: posted[name].strip() for name in _TEXTS if posted.get(name)}
-    values = {name: text for name, text in values.items() if text}
+    texts = {name: posted.get(field, "").strip() for name, field in _TEXTS.items()}
+    values: dict[str, Any] = {name: text for name, text in texts.items() if text}
     if "name" not in values and "title" in values:
         values["name"] = suggested_name(values["title"])
     if "rules" in values:
@@ -114,9 +120,8 @@ def field_of(place: str, posted: Mapping[str, str]) -> str:
         if number.isdecimal() and int(number) < len(used) and name in used[int(number)].names:
             return f"{used[int(number)].key}.{name}"
         return "rounds"
-    if first in ("settings", "benchmark"):
-        return "source"
-    return first if first in (*_TEXTS, "rounds", "picture", "document") else ""
+    elsewhere = {"settings": "source", "benchmark": "source", "vehicle": "vehicle_file"}
+    return _TEXTS.get(first) or elsewhere.get(first) or (first if first in _OTHERS else "")
 
 
 def suggested_name(title: str) -> str:

@@ -122,8 +122,7 @@ def remove(name: str, user_id: int) -> ResponseReturnValue:
         raise Problem("not-found", "The team has no other member with this number.")
     with services().database.writing() as session:
         teams.leave(session, team, user_id)
-        teams.change(session, team, new_code=True)  # or they could join again
-    flash("The member has been removed, and the team has a new link.", "good")
+    flash("The member has been removed. Press “New link” to keep them from joining again.", "good")
     return _team(name)
 
 
@@ -143,7 +142,7 @@ def hand_over(name: str, user_id: int) -> ResponseReturnValue:
 @page.post("/team/entries/<row:run_id>/withdraw")
 def withdraw(name: str, run_id: int) -> ResponseReturnValue:
     """Take an entry out of the competition."""
-    competition, team = competition_access.member_of(name)
+    competition, team = competition_access.captain_of(name)
     try:
         with services().database.writing() as session:
             entries.withdraw(session, competition, team, run_id)

@@ -30,6 +30,7 @@ from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
 
 _DELETED = "it has been deleted"
+METHOD = "entry_method"  # field of an entry's method; benchmarks have a setting "method"
 _NOT_OF_ENTRIES = ("kind", "seed", "trials", "title")  # fields that a competition decides
 EDITED_MAX_BYTES = 256 * 1024  # a larger program is kept as a file, not shown in the editor
 
@@ -254,7 +255,7 @@ def _for_competition(benchmark: Benchmark, entrant: Entrant, run: RunView | None
     return Prefill(
         values={**({} if first is None else first.values), **entrant.fixed()},
         posted={name: text for name, text in posted.items() if name not in _NOT_OF_ENTRIES}
-        | {entries.FIELD: entrant.competition.name, entries.METHOD: method},
+        | {entries.FIELD: entrant.competition.name, METHOD: method},
         program=None if first is None else first.program,
         parts={} if first is None else first.parts,
         note="" if first is None else first.note.replace(" and seed", ""),

@@ -84,7 +84,7 @@ def create(name: str) -> ResponseReturnValue:
     except VehicleRejected as refusal:
         errors = {vehicles.FIELD: refusal.shortened} | errors
     except SubmissionRejected as refusal:
-        errors = errors or {refusal.field: str(refusal)}
+        errors = errors or {_field_of(refusal): str(refusal)}
     except QuotaExceeded as refusal:
         status, errors = 429, {"": str(refusal)}
     except StorageUnavailable as refusal:
@@ -95,6 +95,11 @@ def create(name: str) -> ResponseReturnValue:
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(address, code=303)
+
+
+def _field_of(refusal: SubmissionRejected) -> str:
+    """Return the field of the form that is at fault."""
+    return prefill.METHOD if refusal.field == entries.METHOD else refusal.field
 
 
 def _start(sent: Submission, posted: dict[str, str], *, only_check: bool) -> str:
@@ -154,7 +159,7 @@ def _submission(
     )
     if posted.get(entries.FIELD):
         with services().database.reading() as session:
-            method = posted.get(entries.METHOD, "")
+            method = posted.get(prefill.METHOD, "")
             return entries.for_competition(
                 session, posted[entries.FIELD], method, sent, services().settings
             )
@@ -194,7 +199,7 @@ def _show(
     values = {**prefilled.values, **fixed}
     schema = benchmark.schema()
     starters = editor_starters(benchmark.role, moves_arm=benchmark.moves_arm)
-    fields = {*schema["properties"], "program", "seed", "trials", "sweep", entries.METHOD}
+    fields = {*schema["properties"], "program", "seed", "trials", "sweep", prefill.METHOD}
     given = {**values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
