@@ -258,8 +258,12 @@ def _for_competition(benchmark: Benchmark, entrant: Entrant, run: RunView | None
         | {entries.FIELD: entrant.competition.name, METHOD: method},
         program=None if first is None else first.program,
         parts={} if first is None else first.parts,
-        note="" if first is None else first.note.replace(" and seed", ""),
+        note="" if first is None else _without_seed(first.note),
     )
+
+
+def _without_seed(note: str) -> str:
+    return note.replace(", configuration and seed", " and configuration").replace(" and seed", "")
 
 
 def _vehicle(run: RunView) -> tuple[StoredVehicle | None, str]:
