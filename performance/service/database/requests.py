@@ -1,19 +1,29 @@
 """Every page and every resource of the API that can be read, from the application's own routes."""
 
+from base64 import b64decode
 from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from typing import Any
 from urllib.parse import quote
 
 from flask import Flask
 from sqlalchemy.orm import Session
 
+from seamark.competitions import document
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
+from seamark.server.competitions import competitions, teams
 from seamark.server.database.class_tables import Classroom
+from seamark.server.database.competition_tables import Competition, Team
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.submission_tables import Sweep
 
 BENCHMARK = "currents-v2"
-_CODE = "0123456789"  # of the first class
+_CODE = "0123456789"  # of the first class, and of a team
+# A white pixel, as PNG.
+_PICTURE = b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGP4DwABAQEAsTj2FAAAAABJRU5ErkJggg=="
+)
 # Rule with variables -> its address; {run} is the number of a run with files.
 _ADDRESSES = {
     "/static/<path:filename>": "/static/logo.svg",
@@ -38,6 +48,13 @@ _ADDRESSES = {
         f"/api/v1/admin/rejudgements/preview?benchmark={BENCHMARK}&other_code=true"
     ),
 }
+_CUP, _DRAFT = "first-cup-v1", "first-cup-v2"  # an open competition and a draft
+_OF_COMPETITION = {
+    "<name>": _CUP,
+    "<string:name>": _CUP,
+    "<int:number>": "1",
+    "<code>": _CODE,
+}
 _RUN = ("<row:run_id>", "<int:run_id>")
 _USER = ("<row:user_id>", "<int:user_id>")
 _FIRST = tuple(  # the rows of `create_first`
@@ -47,6 +64,9 @@ _FIRST = tuple(  # the rows of `create_first`
 )
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (
+    f"/competitions/{_CUP}?per=method",
+    f"/competitions/{_DRAFT}",
+    f"/submit/{BENCHMARK}?competition={_CUP}",
     "/compare?runs={run}",
     f"/admin/rejudgements/new?benchmark={BENCHMARK}",
     f"/admin/rejudgements/new?benchmark={BENCHMARK}&language=octave&worker=none&from=2020-01-01",
@@ -71,7 +91,7 @@ _MORE = (
 )
 _WHOLE_FILES = frozenset({"/runs/runs.csv", "/download/<name>"})  # all rows; the wheel, built once
 _NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
-_FILES = (".jpg", ".urdf", ".csv", ".zip")
+_FILES = (".jpg", ".urdf", ".csv", ".zip", "/picture")
 # Pages of a service with e-mail or an identity provider, which this one has not.
 _ELSEWHERE = ("/account/identity", "/forgot", "/mail/", "/sign-in/", "/sign-up/")
 
@@ -86,6 +106,47 @@ def create_first(session: Session, user_id: int) -> None:
     session.add(Sweep(user_id=user_id, benchmark=BENCHMARK, axes=axes, created_at=0.0))
     again = {"reason": "A bug in the drag", "chosen": {}, "created_by": "root", "created_at": 0.0}
     session.add(Rejudgement(benchmark=BENCHMARK, **again))
+    _create_competitions(session, user_id)
+
+
+def _create_competitions(session: Session, user_id: int) -> None:
+    """Make an open competition, in which this account has a team, and a draft."""
+    begin = datetime.now(UTC) - timedelta(days=1)
+    values: dict[str, Any] = {
+        "title": "Harbour Cup",
+        "question": "Who keeps station in a harbour?",
+        "rules": "Be fair.",
+        "benchmark": BENCHMARK,
+        "settings": {"levels": [0.0, 0.2]},
+        "rounds": [
+            {
+                "kind": "qualification",
+                "opens": begin.isoformat(),
+                "closes": (begin + timedelta(days=300)).isoformat(),
+                "trials": 4,
+            }
+        ],
+    }
+    for name in (_CUP, _DRAFT):
+        asked = competitions.prepared(document.read(values | {"name": name}), None)
+        made = competitions.create(
+            *(session, user_id, asked), picture=_PICTURE, vehicle=None, secret=b"secret"
+        )
+        if name == _CUP:  # the organiser takes no part, so it is nobody
+            row = session.get_one(Competition, made)
+            row.opened_at, row.organiser_id = begin.timestamp(), None
+            teams.found(session, competitions.get(session, made), user_id, "Kelp")
+            empty = Team(competition_id=made, name="Wrack", name_key="wrack", code=_CODE)
+            empty.created_at = begin.timestamp()
+            session.add(empty)
+
+
+def _of_competition(rule: str) -> str:
+    """Return a rule with the names of a competition and a team, if it has variables for them."""
+    if "/competitions/<" in rule:
+        for variable, text in _OF_COMPETITION.items():
+            rule = rule.replace(variable, _DRAFT if "/change" in rule else text)
+    return rule
 
 
 def addresses(
@@ -108,9 +169,7 @@ def addresses(
     for rule in app.url_map.iter_rules():
         if "GET" not in (rule.methods or ()) or rule.rule in _WHOLE_FILES:
             continue
-        address = rule.rule
-        if address in _ADDRESSES:
-            address = _ADDRESSES[address]
+        address = _ADDRESSES.get(rule.rule) or _of_competition(rule.rule)
         for variable, number in numbers.items():
             address = address.replace(variable, str(number))
         if "<" in address:

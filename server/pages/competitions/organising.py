@@ -11,6 +11,7 @@ from seamark.competitions.document import DocumentInvalid, Programs
 from seamark.competitions.standings import Ties
 from seamark.server.accounts import accounts
 from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.audit import AuditAction
 from seamark.server.accounts.permissions import Action
 from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import REASON_MAX, CompetitionView
@@ -67,6 +68,7 @@ def create() -> ResponseReturnValue:
         draft = submitted_draft.read(posted, vehicle, earlier=None)
         with services().database.writing() as session:
             name = drafts.create(session, user_id, draft, settings)
+            access.record(session, AuditAction.COMPETITION_CREATED, name)
     except (DocumentInvalid, *submitted_draft.REFUSALS) as refusal:
         return _form(posted, _errors(refusal), vehicle=vehicle), 422
     services().wake_worker()
@@ -122,6 +124,8 @@ def open_up(name: str) -> ResponseReturnValue:
     try:
         with services().database.writing() as session:
             check.open_up(session, competition)
+            detail = {"digest": competition.digest}
+            access.record(session, AuditAction.COMPETITION_OPENED, name, detail)
     except CompetitionRefused as refusal:
         flash(str(refusal), "bad")
     else:
@@ -142,7 +146,10 @@ def move(name: str, number: int) -> ResponseReturnValue:
     try:
         until = _time(form.get("until", ""), competition.document.zone)
         with services().database.writing() as session:
-            competitions.move_round(session, competition, number, until, form.get("reason", ""))
+            reason = form.get("reason", "")
+            competitions.move_round(session, competition, number, until, reason)
+            detail = {"round": number, "until": until, "reason": reason}
+            access.record(session, AuditAction.ROUND_MOVED, name, detail)
     except CompetitionRefused as refusal:
         return _manage(competition, {f"{refusal.field}{number}": str(refusal)}), 422
     flash("The round has been moved. Everybody sees when and why.", "good")
@@ -157,6 +164,7 @@ def hand_over(name: str) -> ResponseReturnValue:
         with services().database.writing() as session:
             user = accounts.person(session, to)
             competitions.hand_over(session, competition, user.id)
+            access.record(session, AuditAction.COMPETITION_HANDED_OVER, name, {"to": user.name})
     except (CompetitionRefused, AccountRejected) as refusal:
         return _manage(competition, {"user": str(refusal)}), 422
     flash(f"{to} organises the competition now.", "good")

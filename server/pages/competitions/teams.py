@@ -78,7 +78,7 @@ def join(name: str) -> ResponseReturnValue:
 @page.get("/team")
 def show(name: str) -> ResponseReturnValue:
     """Show the viewer's team: members, link and entries."""
-    return _shown(*competition_access.member_of(name))
+    return _shown(*competition_access.member_of(name, Action.VIEW_ACCOUNT))
 
 
 @page.post("/team")

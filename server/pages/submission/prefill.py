@@ -35,18 +35,6 @@ _NOT_OF_ENTRIES = ("kind", "seed", "trials", "title")  # fields that a competiti
 EDITED_MAX_BYTES = 256 * 1024  # a larger program is kept as a file, not shown in the editor
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Prefill:
-    """The initial contents of a form."""
-
-    values: dict[str, object]  # setting -> value; the others have their defaults
-    posted: dict[str, str] = field(default_factory=dict)  # the other fields of the form
-    program: StoredProgram | None = None  # kept, so that no file has to be chosen again
-    parts: Mapping[str, StoredProgram] = field(default_factory=dict)  # role -> program, kept too
-    vehicle: StoredVehicle | None = None  # kept too
-    note: str = ""  # a sentence: where it is from, and what is missing
-
-
 @dataclass(frozen=True, slots=True)
 class Entrant:
     """A team and the round of a competition that it can submit to now."""
@@ -60,6 +48,19 @@ class Entrant:
     def fixed(self) -> dict[str, object]:
         """Return setting -> value of what the competition fixes."""
         return entries.fixed(self.competition, services().settings)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prefill:
+    """The initial contents of a form."""
+
+    values: dict[str, object]  # setting -> value; the others have their defaults
+    posted: dict[str, str] = field(default_factory=dict)  # the other fields of the form
+    program: StoredProgram | None = None  # kept, so that no file has to be chosen again
+    parts: Mapping[str, StoredProgram] = field(default_factory=dict)  # role -> program, kept too
+    vehicle: StoredVehicle | None = None  # kept too
+    entrant: Entrant | None = None  # of an entry
+    note: str = ""  # a sentence: where it is from, and what is missing
 
 
 def initial(benchmark: Benchmark) -> Prefill:
@@ -258,6 +259,7 @@ def _for_competition(benchmark: Benchmark, entrant: Entrant, run: RunView | None
         | {entries.FIELD: entrant.competition.name, METHOD: method},
         program=None if first is None else first.program,
         parts={} if first is None else first.parts,
+        entrant=entrant,
         note="" if first is None else _without_seed(first.note),
     )
 

@@ -70,6 +70,7 @@ def create(name: str) -> ResponseReturnValue:
     errors: dict[str, str] = {}
     status = 422
     try:
+        _require_team(posted)
         if posted.get("controller") == UPLOAD:
             program, errors = _program(benchmark, posted)
         parts, errors_of_parts = submitted_parts.save(benchmark, posted)
@@ -95,6 +96,14 @@ def create(name: str) -> ResponseReturnValue:
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(address, code=303)
+
+
+def _require_team(posted: dict[str, str]) -> None:
+    """Refuse an entry of who is in no team before anything is stored that no quota counts."""
+    if name := posted.get(entries.FIELD):
+        access.require(Action.COMPETE)
+        with services().database.reading() as session:
+            entries.team_in(session, name, g.viewer.user_id)
 
 
 def _field_of(refusal: SubmissionRejected) -> str:
@@ -192,7 +201,7 @@ def _show(
 ) -> str:
     settings, posted, program = services().settings, prefilled.posted, prefilled.program
     kept = program if keep else None
-    entrant = prefill.entrant_of(posted.get(entries.FIELD, ""))
+    entrant = prefilled.entrant or prefill.entrant_of(posted.get(entries.FIELD, ""))
     assignment = prefill.assignment_of(posted.get("assignment", "")) if entrant is None else None
     by = entrant or assignment
     fixed = {} if by is None else by.fixed()

@@ -9,6 +9,7 @@ from flask import g, request
 from seamark.programs import archives, parts
 from seamark.programs.preparation import UploadRejected
 from seamark.sandbox.languages import LANGUAGES, kinds
+from seamark.server.judging import entries
 from seamark.server.pages.submission import submitted_program
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.submission import validation
@@ -100,7 +101,10 @@ def _save(role: str, posted: Mapping[str, str]) -> StoredProgram | None:
     validation.require_permission(g.viewer, uploads=role)
     if file is not None and file.filename:
         stream = cast(BinaryIO, file.stream)
-        return uploads.store_part(stream, file.filename, viewer=g.viewer, role=role)
+        personal = not request.form.get(entries.FIELD)
+        return uploads.store_part(
+            stream, file.filename, viewer=g.viewer, role=role, personal=personal
+        )
     program = submitted_program.kept(kept, role)
     if program is None:
         raise UploadRejected(f"Choose the file of your {role} again.")

@@ -13,6 +13,7 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
+from seamark.server.judging import entries
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.submission import validation
@@ -63,7 +64,10 @@ def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 
 
 def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:
-    return uploads.store_program(stream, filename, viewer=g.viewer, role=benchmark.role)
+    personal = not request.form.get(entries.FIELD)
+    return uploads.store_program(
+        stream, filename, viewer=g.viewer, role=benchmark.role, personal=personal
+    )
 
 
 def kept(text: str, role: str) -> StoredProgram | None:

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from seamark.formats.registry import FORMATS
@@ -185,6 +186,49 @@ COMPETITIONS: dict[tuple[str, str], Entry] = {  # olga's: ann is captain of a te
         changes_its_own, 409, f"{API_N}/entries/{{entry}}/choice"
     ),
 }
+N, NS = "/competitions/{cup}", "/competitions/<name>"
+MEMBERS, ENTRIES = "/team/members/<row:user_id>", "/team/entries/<row:run_id>"
+UNTIL = datetime.now(UTC) + timedelta(days=2)
+MOVED: dict[str, Any] = {
+    "data": {"until": UNTIL.strftime("%Y-%m-%dT%H:%M"), "reason": "Rain"},
+}
+COMPETITION_PAGES: dict[tuple[str, str], Entry] = {
+    ("GET", "/competitions/"): Entry(everybody),
+    ("GET", "/competitions/new"): Entry(holds_competitions),
+    ("POST", "/competitions/new"): Entry(holds_competitions, 422),  # it has no title
+    ("GET", NS): Entry(everybody, path=N),
+    ("GET", f"{NS}/picture"): Entry(everybody, 404, f"{N}/picture"),  # it has none
+    ("GET", f"{NS}/change"): Entry(organises, path="/competitions/{draft}/change"),
+    ("POST", f"{NS}/change"): Entry(organises, 422, "/competitions/{draft}/change"),
+    ("POST", f"{NS}/delete"): Entry(organises, 303, "/competitions/{draft}/delete"),
+    ("POST", f"{NS}/open"): Entry(organises, 303, "/competitions/{draft}/open"),
+    ("GET", f"{NS}/organise"): Entry(organises, path=f"{N}/organise"),
+    ("POST", f"{NS}/rounds/<int:number>/move"): Entry(organises, 303, f"{N}/rounds/2/move", MOVED),
+    ("POST", f"{NS}/hand-over"): Entry(
+        organises, 303, f"{N}/hand-over", {"data": {"user": "otto"}}
+    ),
+    ("GET", f"{NS}/teams.csv"): Entry(organises, path=f"{N}/teams.csv"),
+    ("GET", f"{NS}/entries.csv"): Entry(organises, path=f"{N}/entries.csv"),
+    ("POST", f"{NS}/teams"): Entry(changes_tokens, 422, f"{N}/teams"),  # it agrees on no rules
+    ("GET", f"{NS}/join/<code>"): Entry(everybody, 404, f"{N}/join/0000000000"),
+    ("POST", f"{NS}/join"): Entry(changes_tokens, 404, f"{N}/join", {"data": CODE}),
+    ("GET", f"{NS}/team"): Entry(reads_team, path=f"{N}/team"),
+    ("POST", f"{NS}/team"): Entry(changes_its_own, 303, f"{N}/team", {"data": {"team": "Wreck"}}),
+    ("POST", f"{NS}/team/link"): Entry(changes_its_own, 303, f"{N}/team/link"),
+    ("POST", f"{NS}/team/leave"): Entry(leaves_team, 303, f"{N}/team/leave"),
+    ("POST", f"{NS}{MEMBERS}/remove"): Entry(
+        changes_its_own, 303, f"{N}/team/members/{{member}}/remove"
+    ),
+    ("POST", f"{NS}{MEMBERS}/captain"): Entry(
+        changes_its_own, 303, f"{N}/team/members/{{member}}/captain"
+    ),
+    ("POST", f"{NS}{ENTRIES}/withdraw"): Entry(
+        changes_its_own, 303, f"{N}/team/entries/{{entry}}/withdraw"
+    ),
+    ("POST", f"{NS}{ENTRIES}/choose"): Entry(
+        changes_its_own, 303, f"{N}/team/entries/{{entry}}/choose"
+    ),
+}
 U, US = "/admin/users/{user}", "/admin/users/<row:user_id>"
 API_U, API_US = "/api/v1/admin/users/{user}", "/api/v1/admin/users/<int:user_id>"
 REJUDGEMENTS, API_R = "/admin/rejudgements", "/api/v1/admin/rejudgements"
@@ -328,6 +372,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     **CLASSES,
     **COMPETITIONS,
+    **COMPETITION_PAGES,
     **ADMIN,
     ("GET", "/docs/"): Entry(everybody, 302),
     ("GET", "/docs/search"): Entry(everybody),

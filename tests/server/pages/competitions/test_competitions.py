@@ -16,9 +16,18 @@ MARKUP = "<b>bold</b>"
 
 
 def _row(*, team: int | None, score: float) -> BoardRow:
-    ranks = dict.fromkeys(("place", "place_low", "place_high", "low", "high"))
     return BoardRow(
-        **ranks, team_id=team, team="", method="M", run_id=1, score=score, submitted_at=0.0
+        place=None,
+        place_low=None,
+        place_high=None,
+        team_id=team,
+        team="",
+        method="M",
+        run_id=1,
+        score=score,
+        low=None,
+        high=None,
+        submitted_at=0.0,
     )
 
 
