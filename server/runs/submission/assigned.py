@@ -5,7 +5,6 @@ from dataclasses import replace
 from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
-from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.programs import vehicles
 from seamark.server.runs.record.states import RunKind
