@@ -1,7 +1,11 @@
 """Teams: founded or joined by a link, changed by their captain, with what they submitted."""
 
+from collections.abc import Callable
+from functools import partial
+
 from flask import Blueprint, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
+from sqlalchemy.orm import Session
 
 from seamark.competitions.document import Carry
 from seamark.server.accounts.permissions import Action
@@ -142,30 +146,29 @@ def hand_over(name: str, user_id: int) -> ResponseReturnValue:
 @page.post("/team/entries/<row:run_id>/withdraw")
 def withdraw(name: str, run_id: int) -> ResponseReturnValue:
     """Take an entry out of the competition."""
-    competition, team = competition_access.captain_of(name)
-    try:
-        with services().database.writing() as session:
-            entries.withdraw(session, competition, team, run_id)
-    except CompetitionRefused as refusal:
-        flash(str(refusal), "bad")
-    else:
-        flash(f"Run {run_id} no longer counts.", "good")
-    return _team(name)
+    return _change_entry(name, partial(entries.withdraw, run_id=run_id), "no longer counts")
 
 
 @page.post("/team/entries/<row:run_id>/choose")
 def choose(name: str, run_id: int) -> ResponseReturnValue:
     """Take an entry into the final, or out of it."""
-    competition, team = competition_access.captain_of(name)
     chosen = request.form.get("chosen") == "yes"
+    done = "goes into the final" if chosen else "is no longer chosen for the final"
+    return _change_entry(name, partial(entries.choose, run_id=run_id, chosen=chosen), done)
+
+
+def _change_entry(
+    name: str, change: Callable[[Session, CompetitionView, TeamView], None], done: str
+) -> ResponseReturnValue:
+    """Change an entry of the captain's team, and say that it `done`."""
+    competition, team = competition_access.captain_of(name)
     try:
         with services().database.writing() as session:
-            entries.choose(session, competition, team, run_id, chosen=chosen)
+            change(session, competition, team)
     except CompetitionRefused as refusal:
         flash(str(refusal), "bad")
     else:
-        goes = "goes into the final" if chosen else "is no longer chosen for the final"
-        flash(f"Run {run_id} {goes}.", "good")
+        flash(f"This entry {done}.", "good")
     return _team(name)
 
 
