@@ -24,6 +24,7 @@ from seamark.sim import registry
 from seamark.sim.settings.setting import schema_extras
 from seamark.sim.vehicles.toml_reading import BYTES_MAX, TomlRefused, read_toml
 
+_PATHS = {"picture", vehicles.FIELD}  # in a file for the command line: of files beside it
 DOCUMENT, PICTURE = "document", "picture"  # files of the form
 REFUSALS = (CompetitionRefused, SubmissionRejected, QuotaExceeded, StorageUnavailable)
 
@@ -78,15 +79,31 @@ def read(
 
 def _of_file(content: bytes, brought: StoredVehicle | None) -> Draft:
     try:
-        return _draft(read_toml(content), brought)
+        values = read_toml(content)
+        _require_files(values, brought)
+        return _draft({name: values[name] for name in values.keys() - _PATHS}, brought)
     except TomlRefused as refusal:
         raise DocumentInvalid({DOCUMENT: str(refusal)}) from None
     except DocumentInvalid as invalid:
-        at_file = {place: text for place, text in invalid.errors.items() if place != PICTURE}
-        errors = {PICTURE: invalid.errors[PICTURE]} if PICTURE in invalid.errors else {}
-        if at_file:
-            errors[DOCUMENT] = " ".join(f"{place}: {text}" for place, text in at_file.items())
-        raise DocumentInvalid(errors) from None
+        files = (PICTURE, submitted_vehicle.FILE)
+        errors = {name: invalid.errors[name] for name in files if name in invalid.errors}
+        others = [f"{at}: {text}" for at, text in invalid.errors.items() if at not in files]
+        raise DocumentInvalid(errors | ({DOCUMENT: " ".join(others)} if others else {})) from None
+
+
+def _require_files(values: Mapping[str, Any], brought: StoredVehicle | None) -> None:
+    """Refuse a file that names a picture or a vehicle beside it which the form does not have."""
+    picture = request.files.get(PICTURE)
+    there = {PICTURE: picture is not None and bool(picture.filename), vehicles.FIELD: bool(brought)}
+    fields = {PICTURE: PICTURE, vehicles.FIELD: submitted_vehicle.FILE}
+    missing = [name for name in there if values.get(name) and not there[name]]
+    if missing:
+        raise DocumentInvalid(
+            {
+                fields[name]: f"The TOML file names {values[name]}: choose it here."
+                for name in missing
+            }
+        )
 
 
 def _draft(values: Mapping[str, Any], own: StoredVehicle | None) -> Draft:

@@ -171,3 +171,17 @@ def test_an_entry_run_again_when_no_round_is_open_is_a_practice_run(site: Site, 
 
     assert "New run" in page
     assert 'name="competition"' not in page
+
+
+def test_all_teams_have_the_vehicle_that_the_organiser_brought(site: Site) -> None:
+    vehicle = site.store_vehicle()
+    Cup.opened(site, vehicle=vehicle).team("ann")
+
+    shown = site.browser("ann").get(f"/competitions/{NAME}").text
+    form = site.browser("ann").get(FORM).text
+    answer = post(site)
+
+    run = site.show(int(answer.headers["Location"].rpartition("/")[2]))
+    assert (run.config["vehicle"], run.vehicle_sha256) == (vehicle.name, vehicle.sha256)
+    assert f"<dd>{vehicle.name}</dd>" in shown
+    assert f"vehicle {vehicle.name}" in form

@@ -12,6 +12,7 @@ import pytest
 
 from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import CompetitionView
+from seamark.server.pages.competitions import draft_form
 from tests.cast import VEHICLE
 from tests.server.judging.cup import NAME, Cup
 from tests.server.pages.conftest import Site
@@ -169,6 +170,50 @@ trials = 3
     picture = site.browser("olga").get("/competitions/river-cup-v2/picture")
     assert (picture.data, picture.mimetype) == (PNG, "image/png")
     assert site.browser("ann").get("/competitions/river-cup-v2/picture").status_code == 404
+
+
+def test_a_toml_file_for_the_command_line_asks_for_the_files_that_it_names(site: Site) -> None:
+    toml = f"""
+name = "river-cup-v1"
+title = "River Cup"
+benchmark = "currents-v1"
+picture = "river.png"
+vehicle = "my_rov.toml"
+[[rounds]]
+kind = "qualification"
+trials = 3
+opens = "{at(1)}"
+closes = "{at(2)}"
+"""
+    olga, multipart = site.browser("olga"), {"content_type": "multipart/form-data"}
+
+    document = {"document": file(toml.encode(), "c.toml")}
+    refused = olga.post("/competitions/new", form(**document), **multipart).text
+    files = {
+        "document": file(toml.encode(), "c.toml"),
+        "picture": file(PNG, "p.png"),
+        "vehicle_file": file(VEHICLE.encode(), "v.toml"),
+    }
+    olga.post("/competitions/new", form(**files), **multipart)
+
+    assert "The TOML file names river.png: choose it here." in refused
+    assert "The TOML file names my_rov.toml: choose it here." in refused
+    made = found(site, "river-cup-v1")
+    assert made is not None
+    assert made.has_picture
+    assert made.vehicle_sha256 is not None
+
+
+def test_a_draft_keeps_the_vehicle_of_its_organiser(site: Site) -> None:
+    cup = Cup.draft(site, vehicle=site.store_vehicle())
+    cup.check()
+    before, fields = cup.view, draft_form.of_document(cup.asked)
+
+    site.browser("olga").post(f"{PAGE}/change", fields | {"title": "Cup of harbours"})
+
+    assert cup.view.document.title == "Cup of harbours"
+    assert cup.view.vehicle_sha256 == before.vehicle_sha256 is not None
+    assert cup.view.document.settings == before.document.settings
 
 
 def test_changing_a_draft_keeps_what_is_not_changed_and_checks_it_again(site: Site) -> None:
