@@ -72,6 +72,8 @@ def read(
     except DocumentInvalid as invalid:
         errors = dict[str, str]()
         for place, text in invalid.errors.items():
+            if place == "name" and "title" in invalid.errors and "name" not in values:
+                continue  # it would come from the title
             field = draft_form.field_of(place, posted)
             errors[field] = f"{errors[field]} {text}" if field in errors else text
         raise DocumentInvalid(errors) from None

@@ -118,6 +118,13 @@ def test_an_error_stands_at_its_field_and_nothing_that_was_typed_is_lost(
     assert found(site) is None
 
 
+def test_a_name_that_the_title_would_give_is_not_asked_for(site: Site) -> None:
+    page = site.browser("olga").post("/competitions/new", form(title="")).text
+
+    assert 'id="title-error"' in page
+    assert 'id="name-error"' not in page
+
+
 def test_a_vehicle_stays_when_something_else_was_wrong(site: Site) -> None:
     first = form(title="", vehicle_file=file(VEHICLE.encode(), "v.toml"))
     multipart = {"content_type": "multipart/form-data"}
