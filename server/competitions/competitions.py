@@ -20,6 +20,7 @@ from seamark.competitions.document import (
 from seamark.competitions.document import Round as RoundPlan
 from seamark.server.accounts.permissions import Role
 from seamark.server.competitions.refusals import CompetitionRefused
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.competition_tables import (
     Competition,
     Round,
@@ -380,6 +381,7 @@ def _move(session: Session, one: RoundView, until: float, reason: str) -> None:
 
 
 def _require_free(session: Session, name: str) -> None:
+    acquire(session, AdvisoryLock.COMPETITIONS)
     if session.scalar(select(Competition.id).where(Competition.name == name)) is not None:
         raise CompetitionRefused(
             f"There is a competition {name}. Choose another name or the next version.", field="name"

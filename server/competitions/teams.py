@@ -10,6 +10,7 @@ from seamark.sandbox.printable_text import visible_text
 from seamark.server.accounts import join_codes
 from seamark.server.competitions.competitions import CompetitionView
 from seamark.server.competitions.refusals import CompetitionRefused
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.competition_tables import Competition, Entry, Team, TeamMember
 from seamark.server.database.tables import User
 
@@ -59,6 +60,7 @@ def found(session: Session, competition: CompetitionView, user_id: int, name: st
         The name is taken, or the account is in a team or organises the competition.
     """
     name = _valid_name(name)
+    acquire(session, AdvisoryLock.TEAMS)
     _require_joinable(session, competition, user_id, "")
     if competition.teams >= TEAMS_MAX:
         raise CompetitionRefused(f"This competition already has {TEAMS_MAX} teams.")
@@ -87,6 +89,7 @@ def join(session: Session, competition: CompetitionView, user_id: int, code: str
     CompetitionRefused
         There is no such team, it is full, or the account is in another one or organises it.
     """
+    acquire(session, AdvisoryLock.TEAMS)
     team = invited(session, code)
     if team is None or team.competition_id != competition.id:
         raise CompetitionRefused(UNKNOWN_CODE, field="code")
@@ -155,6 +158,7 @@ def change(
     if name is not None:
         name = _valid_name(name)
         if name.casefold() != team.name.casefold():
+            acquire(session, AdvisoryLock.TEAMS)
             _require_free(session, team.competition_id, name)
         values |= {"name": name, "name_key": name.casefold()}
     if captain_id is not None:

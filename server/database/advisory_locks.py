@@ -18,7 +18,8 @@ class AdvisoryLock(IntEnum):
     GUEST_TURN = 0x5EA_0007  # starting a run of a guest before those of accounts
     BASELINE_TURN = 0x5EA_0008  # starting a baseline
     TOTALS = 0x5EA_0009  # counting the runs that have ended
-    COMPETITIONS = 0x5EA_000A  # deciding rounds and adding batches to finals
+    COMPETITIONS = 0x5EA_000A  # names of drafts, deciding rounds, adding batches to finals
+    TEAMS = 0x5EA_000B  # who is in which team, and names of teams
 
 
 _ACQUIRE = text("SELECT pg_advisory_xact_lock(:key)")
