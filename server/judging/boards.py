@@ -45,6 +45,10 @@ class Board:
     references: tuple[BoardRow, ...]
     by_method: bool
 
+    def per_team(self) -> "Board":
+        """Return the board with the best row of each team alone; places stay as they are."""
+        return Board(_first_of_teams(self.rows), self.references, by_method=False)
+
     def of_team(self, team_id: int) -> list[BoardRow]:
         """Return the rows of a team."""
         return [row for row in self.rows if row.team_id == team_id]
@@ -59,8 +63,8 @@ def board(
     """
     references = tuple(_references(session, competition))
     if one.id == competition.deciding.id and one.decided_at is not None:
-        placed, references = _final(session, competition, one)
-        return Board(placed if by_method else _first_of_teams(placed), references, by_method)
+        decided = Board(*_final(session, competition, one), by_method=True)
+        return decided if by_method else decided.per_team()
     rows = _best(session, competition, one, by_method=by_method)
     return Board(_ranked(rows), references, by_method)
 

@@ -44,3 +44,9 @@ def texts(session: Session, competition_id: int) -> dict[tuple[int, str], str]:
         .where(Team.competition_id == competition_id)
     )
     return {(row.team_id, row.method_key): row.text for row in session.scalars(query)}
+
+
+def of_team(session: Session, team_id: int) -> dict[str, str]:
+    """Return the descriptions of a team by the case-folded name of the method."""
+    own = select(MethodText).where(MethodText.team_id == team_id)
+    return {row.method_key: row.text for row in session.scalars(own)}

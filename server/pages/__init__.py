@@ -8,7 +8,7 @@ from seamark.server.pages.administration import ADMIN_PAGES
 from seamark.server.pages.benchmark import benchmarks
 from seamark.server.pages.classes import assignments, classes
 from seamark.server.pages.compare import compare
-from seamark.server.pages.competitions import competitions, organising, teams
+from seamark.server.pages.competitions import competitions, organising, results, teams
 from seamark.server.pages.docs import docs, download, guides
 from seamark.server.pages.docs.articles import article, code_block, with_way_to_install
 from seamark.server.pages.home import demo, home, status
@@ -43,6 +43,7 @@ PAGES = (
     classes.page,
     assignments.page,
     competitions.page,
+    results.page,
     teams.page,
     organising.page,
     docs.page,

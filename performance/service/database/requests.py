@@ -7,6 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 from flask import Flask
+from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from seamark.competitions import document
@@ -14,9 +15,17 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.competitions import competitions, teams
 from seamark.server.database.class_tables import Classroom
-from seamark.server.database.competition_tables import Competition, Team
+from seamark.server.database.competition_tables import (
+    Competition,
+    Entry,
+    FinalPlace,
+    Round,
+    Team,
+)
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.submission_tables import Sweep
+from seamark.server.database.tables import Run
+from seamark.server.runs.record.states import RunKind, RunState
 
 BENCHMARK = "currents-v2"
 _CODE = "0123456789"  # of the first class, and of a team
@@ -48,10 +57,13 @@ _ADDRESSES = {
         f"/api/v1/admin/rejudgements/preview?benchmark={BENCHMARK}&other_code=true"
     ),
 }
-_CUP, _DRAFT = "first-cup-v1", "first-cup-v2"  # an open competition and a draft
+# An open competition, a draft, and a decided one.
+_CUP, _DRAFT, _DECIDED = "first-cup-v1", "first-cup-v2", "first-cup-v3"
+_OF_DECIDED = ("/results", "/archive.zip", "/certificates/")
 _OF_COMPETITION = {
     "<name>": _CUP,
     "<string:name>": _CUP,
+    "<row:team_id>": "3",  # of the decided one
     "<int:number>": "1",
     "<code>": _CODE,
 }
@@ -91,7 +103,7 @@ _MORE = (
 )
 _WHOLE_FILES = frozenset({"/runs/runs.csv", "/download/<name>"})  # all rows; the wheel, built once
 _NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
-_FILES = (".jpg", ".urdf", ".csv", ".zip", "/picture")
+_FILES = (".jpg", ".urdf", ".csv", ".zip", ".svg", "audit.json", "/picture")
 # Pages of a service with e-mail or an identity provider, which this one has not.
 _ELSEWHERE = ("/account/identity", "/forgot", "/mail/", "/sign-in/", "/sign-up/")
 
@@ -127,7 +139,7 @@ def _create_competitions(session: Session, user_id: int) -> None:
             }
         ],
     }
-    for name in (_CUP, _DRAFT):
+    for name in (_CUP, _DRAFT, _DECIDED):
         asked = competitions.prepared(document.read(values | {"name": name}), None)
         made = competitions.create(
             *(session, user_id, asked), picture=_PICTURE, vehicle=None, secret=b"secret"
@@ -139,13 +151,38 @@ def _create_competitions(session: Session, user_id: int) -> None:
             empty = Team(competition_id=made, name="Wrack", name_key="wrack", code=_CODE)
             empty.created_at = begin.timestamp()
             session.add(empty)
+        if name == _DECIDED:
+            _decide(session, made, user_id, begin.timestamp())
+
+
+def _decide(session: Session, competition_id: int, user_id: int, at: float) -> None:
+    """Let the competition be decided, with one place."""
+    of: dict[str, Any] = {"method": "PI", "score": 50.0, "score_low": 45.0, "score_high": 55.0}
+    team = Team(competition_id=competition_id, name="Kelp", name_key="kelp", code=_CODE[::-1])
+    team.captain_id, team.created_at = user_id, at
+    run = Run(owner="team:3", benchmark=BENCHMARK, kind=RunKind.ENTRY, config={}, seed=1, trials=4)
+    run.controller, run.state, run.queued_at, run.finished_at = "pi", RunState.SUCCEEDED, at, at
+    run.public, run.data_deleted_at = True, at
+    session.add_all((team, run))
+    session.flush()
+    row = session.get_one(Competition, competition_id)
+    row.opened_at = row.ended_at = at
+    session.execute(update(Round).where(Round.competition_id == row.id).values(decided_at=at))
+    decided = (Round.competition_id == row.id, Round.number == 1)
+    round_id = session.scalars(select(Round.id).where(*decided)).one()
+    of |= {"round_id": round_id, "run_id": run.id, "team_id": team.id}
+    session.add(Entry(method_key="pi", submitted_at=at, **of))
+    session.add(FinalPlace(place=1, place_low=1, place_high=1, trials=4, **of))
+    session.flush()
 
 
 def _of_competition(rule: str) -> str:
     """Return a rule with the names of a competition and a team, if it has variables for them."""
     if "/competitions/<" in rule:
         for variable, text in _OF_COMPETITION.items():
-            rule = rule.replace(variable, _DRAFT if "/change" in rule else text)
+            decided = any(part in rule for part in _OF_DECIDED)
+            name = _DECIDED if decided else _DRAFT if "/change" in rule else text
+            rule = rule.replace(variable, name if text == _CUP else text)
     return rule
 
 

@@ -13,7 +13,7 @@ from seamark.server.competitions import teams
 from seamark.server.competitions.competitions import CompetitionView
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.competitions.teams import TeamView
-from seamark.server.judging import entries
+from seamark.server.judging import entries, methods
 from seamark.server.pages.competitions import competitions, wording
 from seamark.server.web import access, competition_access
 from seamark.server.web.problems import Problem
@@ -149,6 +149,21 @@ def withdraw(name: str, run_id: int) -> ResponseReturnValue:
     return _change_entry(name, partial(entries.withdraw, run_id=run_id), "no longer counts")
 
 
+@page.post("/team/methods")
+def describe(name: str) -> ResponseReturnValue:
+    """Describe a method of the viewer's team."""
+    _, team = competition_access.member_of(name)
+    method, text = request.form.get("method", ""), request.form.get("text", "")
+    try:
+        with services().database.writing() as session:
+            methods.describe(session, team, method, text.replace("\r\n", "\n"))
+    except CompetitionRefused as refusal:
+        flash(str(refusal), "bad")
+    else:
+        flash("The description is saved.", "good")
+    return _team(name)
+
+
 @page.post("/team/entries/<row:run_id>/choose")
 def choose(name: str, run_id: int) -> ResponseReturnValue:
     """Take an entry into the final, or out of it."""
@@ -177,6 +192,8 @@ def _shown(
 ) -> str:
     with services().database.reading() as session:
         submitted = entries.own(session, competition, team.id)
+        texts = methods.of_team(session, team.id)
+    entered = {entry.method.casefold(): entry.method for entry in reversed(submitted)}
     current, plan = competition.current, competition.document.final
     begun = competition.ended_at is not None or (
         competition.final is not None and competition.final.batches > 0
@@ -195,6 +212,8 @@ def _shown(
         kinds=wording.ROUND_KINDS,
         link=site_address()
         + url_for("competition_teams.invitation", name=competition.name, code=team.code),
+        described={method: texts.get(key, "") for key, method in entered.items()},
+        text_max=methods.TEXT_MAX,
         name_max=teams.NAME_MAX,
         errors=errors or {},
         name=request.form.get("team", team.name),

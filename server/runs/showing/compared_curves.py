@@ -16,15 +16,35 @@ def compared_curves(runs: Sequence[ComparedRun]) -> list[dict[str, Any]]:
     if len({run.benchmark for run in runs}) > 1:
         return []
     benchmark = registry.benchmark(runs[0].benchmark)
-    charts = [_chart(benchmark, curve, runs) for curve in benchmark.curves]
+    charts = [
+        _chart(benchmark, curve, runs) for curve in benchmark.curves or _usual(benchmark, runs)
+    ]
     return [chart for chart in charts if any(line["x"] for line in chart["lines"])]
+
+
+def _usual(benchmark: Benchmark, runs: Sequence[ComparedRun]) -> tuple[Curve, ...]:
+    """Return the chart of a benchmark without curves: its first metric over what its levels are."""
+    configs = [benchmark.restore(run.config) for run in runs]
+    level, metric = configs[0].level_metric(), benchmark.key_metrics[0]
+    if any(len(set(config.level_values())) < len(config.level_values()) for config in configs):
+        return ()
+    x_label = f"{level.label} [{level.unit}]" if level.unit else level.label
+    return (
+        Curve(
+            metrics=(metric,),
+            limit=0.0,
+            values=lambda config: config.level_values(),
+            measure=lambda _: {},
+            x_label=x_label,
+        ),
+    )
 
 
 def _chart(benchmark: Benchmark, curve: Curve, runs: Sequence[ComparedRun]) -> dict[str, Any]:
     metric = curve.metrics[0]
     x_label = curve.x_label or benchmark.headline.unit
     return {
-        "title": f"{metric.label} over the {x_label[:1].lower()}{x_label[1:]}",
+        "title": f"{metric.label} over the {x_label[:1].lower()}{x_label[1:].partition(' [')[0]}",
         "unit": metric.unit,
         "x_label": x_label,
         "limit": curve.limit,

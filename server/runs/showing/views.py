@@ -84,10 +84,14 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     return view(run, result, user, team, **more, **waiting)
 
 
-def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
-    """Return those runs of these that are there, in this order, as lists show them."""
+def several(session: Session, run_ids: Sequence[int], *, metrics: bool = False) -> list[RunView]:
+    """Return those runs of these that are there, in this order, as lists show them.
+
+    Only with `metrics` they have these.
+    """
     # A list shows neither: parsing the metrics of large grids would take most of its time.
-    query = selection().options(defer(Result.metrics), defer(Result.manifest))
+    query = selection().options(defer(Result.manifest))
+    query = query if metrics else query.options(defer(Result.metrics))
     query = query.where(Run.id.in_(run_ids), Run.deleted_at.is_(None), IS_LISTED)
     views = _views(session, query) if run_ids else []
     rows = {each.id: each for each in views}

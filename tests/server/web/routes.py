@@ -187,6 +187,7 @@ COMPETITIONS: dict[tuple[str, str], Entry] = {  # olga's: ann is captain of a te
     ),
 }
 N, NS = "/competitions/{cup}", "/competitions/<name>"
+DECIDED = "/competitions/{decided}"
 MEMBERS, ENTRIES = "/team/members/<row:user_id>", "/team/entries/<row:run_id>"
 UNTIL = datetime.now(UTC) + timedelta(days=2)
 MOVED: dict[str, Any] = {
@@ -198,6 +199,16 @@ COMPETITION_PAGES: dict[tuple[str, str], Entry] = {
     ("POST", "/competitions/new"): Entry(holds_competitions, 422),  # it has no title
     ("GET", NS): Entry(everybody, path=N),
     ("GET", f"{NS}/picture"): Entry(everybody, 404, f"{N}/picture"),  # it has none
+    ("GET", f"{NS}/results"): Entry(everybody, path=f"{DECIDED}/results"),
+    ("GET", f"{NS}/results/embed"): Entry(everybody, path=f"{DECIDED}/results/embed"),
+    ("GET", f"{NS}/audit.json"): Entry(everybody, path=f"{N}/audit.json"),
+    ("GET", f"{NS}/archive.zip"): Entry(everybody, path=f"{DECIDED}/archive.zip"),
+    ("GET", f"{NS}/certificates/<row:team_id>.svg"): Entry(
+        everybody, path=f"{DECIDED}/certificates/{{placed}}.svg"
+    ),
+    ("POST", f"{NS}/team/methods"): Entry(
+        leaves_team, 303, f"{N}/team/methods", {"data": {"method": "PI", "text": "A PI."}}
+    ),
     ("GET", f"{NS}/change"): Entry(organises, path="/competitions/{draft}/change"),
     ("POST", f"{NS}/change"): Entry(organises, 422, "/competitions/{draft}/change"),
     ("POST", f"{NS}/delete"): Entry(organises, 303, "/competitions/{draft}/delete"),

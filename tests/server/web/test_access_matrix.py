@@ -38,7 +38,11 @@ from tests.server.web.callers import (
 )
 from tests.server.web.routes import ROUTES, Entry
 
-MADE_TOGETHER = {"class": {"assignment", "pupil"}, "cup": {"member", "entry"}}
+MADE_TOGETHER = {
+    "class": {"assignment", "pupil"},
+    "cup": {"member", "entry"},
+    "decided": {"placed"},
+}
 
 
 @pytest.fixture
@@ -103,6 +107,7 @@ class Objects:
             "cup": self._cup,
             "draft": lambda: {"draft": Cup.draft(site, name=self._new_name()).view.name},
             "closed": self._closed,
+            "decided": self._decided,
             "sweep": self._sweep,
             "rejudgement": self._rejudgement,
             "token": self._token,
@@ -162,6 +167,15 @@ class Objects:
         cup = Cup.opened(self._site, name=self._new_name())
         cup.close_qualification()
         return {"closed": cup.view.name}
+
+    def _decided(self) -> dict[str, object]:
+        cup = Cup.opened(self._site, name=self._new_name())
+        team = cup.team("ann")
+        cup.entered("ann", [40.0, 41.0, 42.0])
+        cup.begin_final()
+        cup.play_batch({})
+        cup.advance()
+        return {"decided": cup.view.name, "placed": team}
 
     def _new_name(self) -> str:
         self._competitions += 1

@@ -36,7 +36,7 @@ function drawCurve(box, curve, runs) {
   container.className = "chart";
   title.className = "chart-title";
   readout.className = "readout";
-  title.append(`${curve.title} [${curve.unit}]`, readout);
+  title.append(curve.unit ? `${curve.title} [${curve.unit}]` : curve.title, readout);
   target.setAttribute("role", "img");
   target.setAttribute("aria-label", `${curve.title}, runs ${runs.join(", ")}`);
   container.append(title, target);
