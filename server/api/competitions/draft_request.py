@@ -32,7 +32,8 @@ def read() -> Draft:
     """
     settings = services().settings
     if request.is_json:
-        return drafts.read(request_body.json_object(request.get_data(cache=False)), settings)
+        values = request_body.json_object(request.get_data(cache=False))
+        return drafts.read(_without_paths(values), settings)
     if request.mimetype != "multipart/form-data":
         raise Problem(
             "unsupported-media-type",
@@ -46,7 +47,7 @@ def read() -> Draft:
         stream, name = cast("BinaryIO", file.stream), file.filename or ""
         vehicle = uploads.store_vehicle(stream, name, viewer=access.viewer())
     return drafts.read(
-        *(values, settings),
+        *(_without_paths(values), settings),
         vehicle=vehicle,
         picture=None if picture is None else picture.stream.read(drafts.PICTURE_MAX_BYTES + 1),
     )
@@ -65,6 +66,26 @@ def _document() -> dict[str, Any]:
             errors={DOCUMENT: "This part is required: JSON, or a TOML file."},
         )
     return request_body.json_object(text.encode("utf-8", "surrogatepass"))
+
+
+def _without_paths(values: dict[str, Any]) -> dict[str, Any]:
+    """Return a document without the paths of files that are sent with it.
+
+    Raises
+    ------
+    DocumentInvalid
+        It names a file that is not.
+    """
+    named = {name: values[name] for name in (PICTURE, vehicles.FIELD) if name in values}
+    missing = {name: path for name, path in named.items() if name not in request.files}
+    if missing:
+        raise DocumentInvalid(
+            {
+                name: f"The document names {path!r}: send the file as the part {name} of a form."
+                for name, path in missing.items()
+            }
+        )
+    return {name: value for name, value in values.items() if name not in named}
 
 
 def _is_toml(file: FileStorage) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from flask import Response, g, jsonify
+from flask import Response, g, jsonify, url_for
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
@@ -152,7 +152,7 @@ def _own(competition: CompetitionView) -> dict[str, Any]:
 
 
 def _answer(competition: CompetitionView, team: TeamView) -> dict[str, Any]:
-    path = f"/competitions/{competition.name}/join/{team.code}"
+    path = url_for("competition_teams.invitation", name=competition.name, code=team.code)
     return {
         "id": team.id,
         "competition": competition.name,

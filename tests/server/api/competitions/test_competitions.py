@@ -75,6 +75,20 @@ def test_a_document_may_be_a_toml_file(hall: Site) -> None:
     assert made["rounds"][0]["trials"] == 3
 
 
+def test_a_document_may_name_the_files_that_are_sent_with_it(hall: Site) -> None:
+    named = f'picture = "cup.png"\n{TOML}'.encode()
+    alone = {"document": (io.BytesIO(named), "cup.toml")}
+    both = alone | {"document": (io.BytesIO(named), "cup.toml")}
+    both["picture"] = (io.BytesIO(PNG), "cup.png")
+    refused = hall.call("olga", "POST", API, data=alone)
+    made = hall.call("olga", "POST", API, data=both)
+    body = hall.call("olga", "PUT", f"{API}/{NAME}", json=values(vehicle="mine.toml"))
+
+    assert [each["field"] for each in refused.get_json()["errors"]] == ["picture"]
+    assert "picture" in made.get_json()["links"]
+    assert [each["field"] for each in body.get_json()["errors"]] == ["vehicle"]
+
+
 def test_what_is_wrong_with_a_document_is_told_place_by_place(hall: Site) -> None:
     wrong = values(title="", benchmark="currents-v1", settings={"levels": [9.0]})
     wrong["rounds"][1]["quota"] = 0
