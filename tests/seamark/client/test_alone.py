@@ -76,7 +76,7 @@ def test_what_it_needs_is_small_and_pure_python() -> None:
 
 @pytest.mark.slow
 def test_it_submits_follows_compares_and_downloads(
-    alone: Path, backend: Backend, address: str, token: str, worker: None, tmp_path: Path
+    alone: Path, address: str, token: str, worker: None, tmp_path: Path
 ) -> None:
     folder = tmp_path / "mine"
     folder.mkdir()
@@ -90,15 +90,27 @@ def test_it_submits_follows_compares_and_downloads(
     compared = _seamark(alone, folder, "compare", "1", "2", *server)
     board = _seamark(alone, folder, "leaderboard", "currents-v1", *server)
     kept = _seamark(alone, folder, "export", "1", "--format", "csv", "-o", "run.csv", *server)
-    Cup.opened(backend).team("ann")
-    cup = _seamark(alone, folder, "competition", "show", NAME, *server)
 
-    for done in (first, second, compared, board, cup, kept):
+    for done in (first, second, compared, board, kept):
         assert done.returncode == 0, done.stderr
     assert "Score 50" in first.stdout
     assert "Differences of scores" in compared.stdout
-    assert "Your team is Team ann." in cup.stdout
     assert (folder / "run.csv").read_text("utf-8").startswith("# ")
+
+
+@pytest.mark.slow
+def test_it_takes_part_in_a_competition(
+    alone: Path, backend: Backend, address: str, token: str, tmp_path: Path
+) -> None:
+    Cup.opened(backend).team("ann")
+    server = ("--server", address, "--token", token)
+    entered = ("currents-v1", "--controller", "pi", "--competition", NAME, "--method", "PI")
+
+    sent = _seamark(alone, tmp_path, "submit", *entered, *server)
+    shown = _seamark(alone, tmp_path, "competition", "show", NAME, *server)
+
+    assert (sent.returncode, shown.returncode) == (0, 0), sent.stderr + shown.stderr
+    assert "Your team is Team ann." in shown.stdout
 
 
 def test_what_needs_the_simulator_says_how_to_get_it(alone: Path, tmp_path: Path) -> None:
