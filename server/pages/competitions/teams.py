@@ -28,6 +28,7 @@ from seamark.server.web.rate_limits import (
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address
 
+ENTRIES_SHOWN = 200  # what is cancelled before it starts counts for no quota
 AGREED = "agreed"  # the checkbox of whoever founds or joins a team
 _NOT_AGREED = "Read the rules and tick the box: all members of a team agree on them."
 page = Blueprint("competition_teams", __name__, url_prefix="/competitions/<name>")
@@ -203,7 +204,8 @@ def _shown(
         competition=competition,
         scenario=competitions.scenario_of(competition),
         team=team,
-        entries=submitted,
+        entries=submitted[:ENTRIES_SHOWN],
+        more=max(len(submitted) - ENTRIES_SHOWN, 0),
         left=None if current is None else entries.left(submitted, current),
         names={member.user_id: member.name for member in team.members},
         is_captain=team.captain_id == g.viewer.user_id,
