@@ -18,7 +18,7 @@ from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.classes import assignments
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs.record import copies, seeds, totals
+from seamark.server.runs.record import copies, entries, seeds, totals
 from seamark.server.runs.record.states import RunState
 from seamark.server.settings import Settings
 
@@ -110,6 +110,7 @@ def replace(session: Session, run: Run, original: Run, rejudged: RejudgedRun) ->
         run.data_deleted_at, run.data_bytes = time.time(), 0
     assignments.score(session, original.id, new.score)
     session.flush()
+    entries.record_again(session, original.id, new.metrics)
 
 
 def forget(session: Session, run_ids: Sequence[int]) -> None:

@@ -120,6 +120,19 @@ def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> 
     return scored.refusal
 
 
+def record_again(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> None:
+    """Give an entry the score of a run that was computed again, unless its round is decided.
+
+    Places of a decided round stay, and so does what its audit shows.
+    """
+    entry = session.get(Entry, run_id)
+    if entry is None or session.get_one(Round, entry.round_id).decided_at is not None:
+        return
+    for name in ("refusal", "scores", "score", "score_low", "score_high", "standard_error"):
+        setattr(entry, name, None)
+    record(session, run_id, metrics)
+
+
 def score(
     benchmark: str,
     config: Mapping[str, Any],

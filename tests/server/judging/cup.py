@@ -126,6 +126,9 @@ class Cup:
         which = (Round.competition_id == self.id, Round.number == number)
         with self.backend.database.writing() as session:
             session.execute(update(Round).where(*which).values(**at))
+        rest_s = max(at.values()) - time.time()
+        if 0.0 < rest_s < 2 * TICK_S:  # it is to be now
+            time.sleep(rest_s)
 
     def freeze_again(self) -> None:
         """Let the document have had the times that rounds have, as if no clock had moved."""
@@ -226,7 +229,6 @@ class Cup:
     def close_qualification(self) -> None:
         self.shift(PRACTICE, closes_in_s=0.0)
         self.shift(QUALIFICATION, closes_in_s=0.0)
-        time.sleep(1.5 * TICK_S)
 
     def begin_final(self) -> list[int]:
         """Close the qualification, begin the final, and return the runs of its first batch."""
