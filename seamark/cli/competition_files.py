@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from seamark.failures import UsageRefused
 
-FILES = ("picture", "vehicle")  # entries with the path of a file beside it
+FILES = ("picture", "vehicle", "current_record")  # entries with the path of a file beside it
 DAY = timedelta(days=1)
 STARTER = """\
 # A competition. docs/competitions.md describes every entry; those with a # before them have the
@@ -29,6 +29,7 @@ rules = [  # a paragraph each; who takes part agrees on them
 zone = "UTC"  # time zone of the times below, and of those that pages show, such as Europe/Madrid
 # picture = "cup.png"  # PNG or JPEG, beside this file
 # vehicle = "my_rov.toml"  # a vehicle of your own, beside this file
+# current_record = "ria.csv"  # a record of currents of your own, beside this file
 
 benchmark = "currents-v3"  # whose scenario you change
 # programs = "hidden"  # who reads the programs of teams: hidden, organiser or public
@@ -67,7 +68,7 @@ finalists = 1  # methods of a team
 
 
 class OrganisersFile(NamedTuple):
-    """The values of a file, and what it names of other files: picture and vehicle."""
+    """The values of a file, and what it names of other files: picture, vehicle, record."""
 
     values: dict[str, Any]
     files: dict[str, Path]

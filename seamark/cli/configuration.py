@@ -108,11 +108,12 @@ def with_files(settings: Mapping[str, Any]) -> dict[str, Any]:
     """
     from seamark.sim.physics.water_motion import records
     from seamark.sim.physics.water_motion.record import RecordInvalid
+    from seamark.sim.settings import own_files
     from seamark.sim.vehicles import own
     from seamark.sim.vehicles.reading import VehicleInvalid
 
     try:
-        return records.resolved(own.resolved(settings))
+        return own_files.resolved(settings)
     except VehicleInvalid as reason:
         path, more = settings[own.SETTING], len(reason.errors) - 1
         rest = f" {more} more: `seamark vehicle check {path}`." if more else ""

@@ -150,6 +150,7 @@ class Client:
         *,
         picture: str | Path | None = None,
         vehicle: str | Path | None = None,
+        current_record: str | Path | None = None,
         replace: bool = False,
     ) -> dict[str, Any]:
         """Make a draft of a competition, or with `replace` change the draft of this name.
@@ -160,9 +161,9 @@ class Client:
         ------
         ServerRefused, ServerUnavailable
         OSError
-            The picture or the vehicle cannot be read.
+            A file cannot be read.
         """
-        given = {"picture": picture, "vehicle": vehicle}
+        given = {"picture": picture, "vehicle": vehicle, "current_record": current_record}
         files = {name: file for name, file in given.items() if file is not None}
         call = self._calls.write_competition(document, files, replaces=replace)
         return self._session.do(call)

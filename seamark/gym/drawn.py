@@ -7,10 +7,9 @@ from typing import Any, TypedDict
 import gymnasium
 
 from seamark.sim import registry
-from seamark.sim.physics.water_motion import records
+from seamark.sim.settings import own_files
 from seamark.sim.settings.setting import group_of, limits_of, schema_extras
 from seamark.sim.settings.trial_spreads import GROUP
-from seamark.sim.vehicles import own
 
 _SAYS_SO = re.compile(r"\b(drawn|random)\b")
 
@@ -47,7 +46,7 @@ def randomisation(env_id: str, settings: Mapping[str, object] | None = None) -> 
         A setting, or the file of a vehicle, is not valid.
     """
     entry = registry.benchmark(gymnasium.spec(env_id).kwargs["benchmark"])
-    config: Any = entry.read(records.resolved(own.resolved(settings or {})))
+    config: Any = entry.read(own_files.resolved(settings or {}))
     found: dict[str, Drawn] = {}
     for name, field in type(config).model_fields.items():
         meaning = field.description or ""

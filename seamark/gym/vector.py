@@ -38,9 +38,8 @@ from seamark.sim.fleet.fleet import Fleet
 from seamark.sim.fleet.memory import Memory, MemoryInvalid
 from seamark.sim.numerics.arrays import Flags
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.physics.water_motion import records
 from seamark.sim.registry import TRUTH
-from seamark.sim.vehicles import own
+from seamark.sim.settings import own_files
 
 Array = NDArray[Any]  # float64, or float32 if the environment is made so
 Observation = Any  # an array; of several parts, a dict of them
@@ -111,7 +110,7 @@ class StationKeepingVectorEnv(VectorEnv[Observation, Array, Any]):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
+        config: Any = entry.read(own_files.resolved(settings or {}))
         self._config, self.num_envs, self.render_mode = config, num_envs, render_mode
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
         self.autoreset_mode = AutoresetMode(autoreset_mode)

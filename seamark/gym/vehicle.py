@@ -26,7 +26,6 @@ from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
 from seamark.sim.engine.delay import STILL
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.world import World
-from seamark.sim.physics.water_motion import records
 from seamark.sim.recording.telemetry import (
     ARM_INDEX,
     ARM_JOINTS,
@@ -34,7 +33,7 @@ from seamark.sim.recording.telemetry import (
     STEP_US,
     has_arm,
 )
-from seamark.sim.vehicles import own
+from seamark.sim.settings import own_files
 
 Packed = NDArray[Any]  # float64, or float32 if the environment is made so
 Observation = Packed | dict[str, NDArray[Any]]
@@ -132,7 +131,7 @@ class VehicleEnv(Replayed[Observation, Packed]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
+        config: Any = entry.read(own_files.resolved(settings or {}))
         self._config = config
         experiment = entry.load()
         self._experiment: InCurrent[Any] = experiment  # type: ignore[assignment]

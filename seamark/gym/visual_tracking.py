@@ -13,10 +13,9 @@ from seamark.gym.episodes import Episode, Episodes
 from seamark.sim import registry
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.metrics.tracking import FAR_PX
-from seamark.sim.physics.water_motion import records
 from seamark.sim.recording.telemetry import INDEX, STEP_US, WIDTH
+from seamark.sim.settings import own_files
 from seamark.sim.trackers import Corners, Track, Window
-from seamark.sim.vehicles import own
 
 Observation = dict[str, Any]
 CORNERS = 8  # numbers of an action that are corners; the last one tells whether there is a target
@@ -75,7 +74,7 @@ class VisualTrackingEnv(Replayed[Observation, NDArray[np.float64]]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
         self.render_mode = render_mode
         entry = registry.benchmark(benchmark)
-        config: Any = entry.read(records.resolved(own.resolved(settings or {})))
+        config: Any = entry.read(own_files.resolved(settings or {}))
         if getattr(config, "mode", "") == "free":
             raise ValueError("the environment needs a prescribed path: mode must not be free")
         self._config, self._experiment = config, entry.load()

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -23,13 +23,15 @@ from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.competition_tables import (
     Competition,
+    CompetitionFile,
     Round,
     RoundChange,
     Team,
     TeamMember,
 )
 from seamark.server.database.tables import User
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.vehicles import StoredVehicle
 
 COMPETITIONS_MAX = 100  # of one organiser
@@ -104,6 +106,7 @@ class CompetitionView:
     digest: str
     has_picture: bool
     vehicle_sha256: str | None
+    files: Mapping[str, str]  # setting -> SHA-256 of further files of the organiser's
     created_at: float
     opened_at: float | None
     ended_at: float | None
@@ -146,8 +149,12 @@ class CompetitionView:
         return self.document.programs is not Programs.HIDDEN
 
 
-def prepared(document: CompetitionDocument, vehicle: StoredVehicle | None) -> CompetitionDocument:
-    """Return a document with its vehicle, whose settings are valid and written as they are stored.
+def prepared(
+    document: CompetitionDocument,
+    vehicle: StoredVehicle | None,
+    files: Sequence[StoredFile] = (),
+) -> CompetitionDocument:
+    """Return a document with its files, whose settings are valid and written as they are stored.
 
     Raises
     ------
@@ -155,13 +162,17 @@ def prepared(document: CompetitionDocument, vehicle: StoredVehicle | None) -> Co
         With a sentence for each setting that is wrong.
     VehicleRejected
         No such vehicle exists.
+    FileRejected
+        Another file cannot be used.
     """
-    if vehicle is not None:
-        if vehicles.FIELD not in document.base.configuration.model_fields:
-            raise DocumentInvalid({"vehicle": f"{document.benchmark} has no vehicle to choose."})
-        settings = document.settings | {vehicles.FIELD: vehicle.name}
-        document = document.model_copy(update={"settings": settings})
-    with vehicles.lent(vehicle):
+    named = {file.setting: file.name for file in files}
+    named |= {} if vehicle is None else {vehicles.FIELD: vehicle.name}
+    for setting in named:
+        if setting not in document.base.configuration.model_fields:
+            what = setting.replace("_", " ")
+            raise DocumentInvalid({setting: f"{document.benchmark} has no {what} to choose."})
+    document = document.model_copy(update={"settings": document.settings | named})
+    with own_files.lent(vehicle, files):
         values = document.scenario().model_dump(mode="json")
     settings = {name: values[name] for name in document.settings}
     return document.model_copy(update={"settings": settings})
@@ -174,6 +185,7 @@ def create(
     *,
     picture: bytes | None,
     vehicle: StoredVehicle | None,
+    files: Sequence[StoredFile] = (),
     secret: bytes,
 ) -> int:
     """Make a draft of a prepared document and return its id.
@@ -205,6 +217,7 @@ def create(
     )
     session.add(made)
     session.flush()
+    _add_files(session, made.id, files)
     _add_rounds(session, made.id, document, secret)
     return made.id
 
@@ -216,6 +229,7 @@ def replace_draft(
     *,
     picture: bytes | None,
     vehicle: StoredVehicle | None,
+    files: Sequence[StoredFile] = (),
     secret: bytes,
 ) -> None:
     """Give a draft another prepared document; its check is to be made again.
@@ -240,7 +254,9 @@ def replace_draft(
     if picture is not None:
         values["picture"] = picture
     session.execute(update(Competition).where(Competition.id == view.id).values(**values))
-    session.execute(delete(Round).where(Round.competition_id == view.id))
+    for table in (Round, CompetitionFile):
+        session.execute(delete(table).where(table.competition_id == view.id))
+    _add_files(session, view.id, files)
     _add_rounds(session, view.id, document, secret)
 
 
@@ -388,6 +404,13 @@ def _require_free(session: Session, name: str) -> None:
         )
 
 
+def _add_files(session: Session, competition_id: int, files: Sequence[StoredFile]) -> None:
+    for file in files:
+        named = {"setting": file.setting, "sha256": file.sha256}
+        session.add(CompetitionFile(competition_id=competition_id, **named))
+    session.flush()
+
+
 def _add_rounds(
     session: Session, competition_id: int, document: CompetitionDocument, secret: bytes
 ) -> None:
@@ -427,6 +450,7 @@ def _views(
     )
     rows = session.execute(query).all()
     rounds = _rounds(session, [row[0] for row in rows])
+    files = _files(session, [row[0].id for row in rows])
     if moves:
         rounds = {key: _with_moves(session, each) for key, each in rounds.items()}
     same = ("id", "name", "organiser_id", "digest", "vehicle_sha256", "created_at")
@@ -436,6 +460,7 @@ def _views(
             organiser=organiser or "",
             document=document_of(row),
             has_picture=has_picture,
+            files=files.get(row.id, {}),
             teams=count,
             rounds=tuple(rounds[row.id]),
         )
@@ -451,6 +476,15 @@ def document_of(row: Competition) -> CompetitionDocument:
 @lru_cache(maxsize=256)
 def _document(text: str) -> CompetitionDocument:
     return CompetitionDocument.restore(json.loads(text))
+
+
+def _files(session: Session, competition_ids: Sequence[int]) -> dict[int, dict[str, str]]:
+    """Return competition -> setting -> SHA-256."""
+    found = dict[int, dict[str, str]]()
+    own = CompetitionFile.competition_id.in_(competition_ids)
+    for row in session.scalars(select(CompetitionFile).where(own)):
+        found.setdefault(row.competition_id, {})[row.setting] = row.sha256
+    return found
 
 
 def _rounds(session: Session, rows: Sequence[Competition]) -> dict[int, list[RoundView]]:

@@ -44,6 +44,18 @@ class Competition(Base):
     __table_args__ = ({"sqlite_autoincrement": True},)
 
 
+class CompetitionFile(Base):
+    """A file that a setting of a competition names, as `RunFile` of a run."""
+
+    __tablename__ = "competition_files"
+
+    competition_id: Mapped[int] = mapped_column(
+        ForeignKey("competitions.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    setting: Mapped[str] = mapped_column(String(40), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64), index=True)
+
+
 class Round(Base):
     """A round of a competition; number 0 is the check of a draft by its reference entries."""
 

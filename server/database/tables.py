@@ -176,6 +176,7 @@ class Run(Base):
     deleted_at: Mapped[float | None]  # an empty row stays (server/runs/ending/deletion.py)
 
     parts: Mapped[list["RunPart"]] = relationship(order_by="RunPart.role", passive_deletes=True)
+    files: Mapped[list["RunFile"]] = relationship(order_by="RunFile.setting", passive_deletes=True)
 
     @property
     def has_programs(self) -> bool:
@@ -287,6 +288,18 @@ class RunPart(Base):
     program_name: Mapped[str | None] = mapped_column(String(255))  # NULL: the run was deleted
     language: Mapped[str] = mapped_column(String(40))
     program_parameters: Mapped[list[dict[str, Any]] | None] = mapped_column(_Json)  # declared
+
+
+class RunFile(Base):
+    """A file that a setting of a run names, other than the vehicle's; the store has it."""
+
+    __tablename__ = "run_files"
+
+    run_id: Mapped[int] = mapped_column(
+        ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    setting: Mapped[str] = mapped_column(String(40), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64), index=True)
 
 
 # As the partial indexes have them: with a bound parameter no database would use these.

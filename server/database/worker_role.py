@@ -10,8 +10,8 @@ from sqlalchemy import Connection, inspect, text
 # delete.
 READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
-    *("rejudgements", "run_parts", "seen_submissions"),
-    *("competitions", "competition_rounds"),
+    *("rejudgements", "run_files", "run_parts", "seen_submissions"),
+    *("competitions", "competition_files", "competition_rounds"),
 )
 CHANGED = ("runs", "assigned_runs", "entries", "rejudged_runs", "verifications")
 OWN = (

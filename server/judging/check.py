@@ -61,6 +61,7 @@ def request(session: Session, competition: CompetitionView, settings: Settings) 
     if session.scalar(select(func.count()).where(Entry.round_id == row.id)):
         raise CompetitionRefused("The draft has been checked. Change it to check it again.")
     document, vehicle = competition.document, entries.vehicle_of(competition, settings)
+    files = entries.files_of(competition, settings)
     fixed = entries.fixed(competition, settings)
     for name, baseline in document.base.baselines.items():
         entry = Entry(
@@ -77,6 +78,7 @@ def request(session: Session, competition: CompetitionView, settings: Settings) 
             kind=RunKind.ENTRY,
             controller=baseline.built_in,
             vehicle=vehicle,
+            files=files,
             title=baseline.title,
             notes=baseline.notes,
             entry=entries.terms_of(competition, row, owner, entry, settings, water=WATER),

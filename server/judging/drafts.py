@@ -15,7 +15,8 @@ from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import CompetitionView
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.judging import check
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.data import run_size
 from seamark.server.settings import Settings
@@ -27,11 +28,12 @@ _MEDIA_TYPES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """What an organiser has written: a document that is valid, its vehicle and its picture."""
+    """What an organiser has written: a document that is valid, its files and its picture."""
 
     document: CompetitionDocument
     vehicle: StoredVehicle | None = None
     picture: bytes | None = None
+    files: tuple[StoredFile, ...] = ()  # that settings name, but for the vehicle's
 
 
 def read(
@@ -40,6 +42,7 @@ def read(
     *,
     vehicle: StoredVehicle | None = None,
     picture: bytes | None = None,
+    files: tuple[StoredFile, ...] = (),
 ) -> Draft:
     """Return a draft of values as TOML or JSON gives them.
 
@@ -49,19 +52,21 @@ def read(
         With a sentence for each place that is wrong.
     VehicleRejected
         No such vehicle exists.
+    FileRejected
+        Another file cannot be used.
     """
-    asked = competitions.prepared(document.read(values), vehicle)
+    asked = competitions.prepared(document.read(values), vehicle, files)
     if picture is not None and media_type(picture) is None:
         raise DocumentInvalid({"picture": "The picture must be a PNG or JPEG file."})
     if picture is not None and len(picture) > PICTURE_MAX_BYTES:
         limit = PICTURE_MAX_BYTES >> 10
         raise DocumentInvalid({"picture": f"The picture has at most {limit} KiB. Make it smaller."})
     most = max(one.trials for one in asked.rounds)
-    with vehicles.lent(vehicle):
+    with own_files.lent(vehicle, files):
         size = run_size.estimate(asked.scenario(), trials=most, program_bytes=None)
     if refusal := size.refusal(settings.run_max_bytes):
         raise DocumentInvalid({"settings": refusal})
-    return Draft(asked, vehicle, picture)
+    return Draft(asked, vehicle, picture, files)
 
 
 def create(session: Session, organiser_id: int, draft: Draft, settings: Settings) -> str:
@@ -76,6 +81,7 @@ def create(session: Session, organiser_id: int, draft: Draft, settings: Settings
         *(session, organiser_id, draft.document),
         picture=draft.picture,
         vehicle=draft.vehicle,
+        files=draft.files,
         secret=settings.seed_key.encode(),
     )
     check.request(session, competitions.get(session, made), settings)
@@ -87,7 +93,8 @@ def change(
 ) -> Sequence[int]:
     """Replace a draft and have it checked again; the runs of the earlier check are forgotten.
 
-    Without a picture or a vehicle of its own it has the earlier picture, and no own vehicle.
+    Without a picture it has the earlier one; without a vehicle or another file it has none of its
+    own.
     Returns the runs whose files the caller removes after the commit (`deletion.remove_files`).
     Raises as `create`.
     """
@@ -98,6 +105,7 @@ def change(
         *(session, competition, draft.document),
         picture=draft.picture,
         vehicle=draft.vehicle,
+        files=draft.files,
         secret=settings.seed_key.encode(),
     )
     check.request(session, competitions.get(session, competition.id), settings)

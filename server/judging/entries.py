@@ -5,7 +5,8 @@ evaluated.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from sqlalchemy import ColumnElement, Row, Select, and_, func, or_, select, update
@@ -21,7 +22,8 @@ from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.competitions.teams import TeamView
 from seamark.server.database.competition_tables import Entry, Round
 from seamark.server.database.tables import Run
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.record import method_names
 from seamark.server.runs.record.states import LIVE, RunKind, RunState
@@ -98,8 +100,8 @@ def for_competition(
         _enforce_quota(session, competition, one, team, method)
 
     terms = terms_of(competition, one, team.owner, entry, settings, require=require_allowed)
-    vehicle = vehicle_of(competition, settings)
-    with vehicles.lent(vehicle):
+    vehicle, files = vehicle_of(competition, settings), files_of(competition, settings)
+    with own_files.lent(vehicle, files):
         document = competition.document
         config = with_fixed(document.base, document.fixed(), sent.config, by="competition")
     return replace(
@@ -109,6 +111,7 @@ def for_competition(
         trials=None,
         config=config,
         vehicle=vehicle,
+        files=files,
         title=method,
         entry=terms,
     )
@@ -178,9 +181,21 @@ def vehicle_of(competition: CompetitionView, settings: Settings) -> StoredVehicl
     return vehicles.stored(name, competition.vehicle_sha256, settings)
 
 
+def files_of(competition: CompetitionView, settings: Settings) -> tuple[StoredFile, ...]:
+    """Return the other files of the organiser that settings name."""
+    return own_files.stored(competition.files, competition.document.settings, settings)
+
+
+@contextmanager
+def lent(competition: CompetitionView, settings: Settings) -> Iterator[None]:
+    """Let what is done meanwhile know the organiser's files; raises as `own_files.lent`."""
+    with own_files.lent(vehicle_of(competition, settings), files_of(competition, settings)):
+        yield
+
+
 def fixed(competition: CompetitionView, settings: Settings) -> dict[str, object]:
     """Return setting -> value of the scenario, which nobody who takes part may change."""
-    with vehicles.lent(vehicle_of(competition, settings)):
+    with lent(competition, settings):
         return competition.document.fixed()
 
 

@@ -19,8 +19,8 @@ from sqlalchemy.orm import Session
 
 from seamark.programs.check_report import platform_failure
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
-from seamark.server.database.competition_tables import Competition
-from seamark.server.database.tables import Check, Run, RunPart
+from seamark.server.database.competition_tables import Competition, CompetitionFile
+from seamark.server.database.tables import Check, Run, RunFile, RunPart
 from seamark.server.messaging import workers
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
@@ -234,6 +234,8 @@ def refers_to(session: Session, sha256: str) -> bool:
         select(Check.id).where(Check.program_sha256 == sha256),
         select(Check.id).where(Check.vehicle_sha256 == sha256),
         select(Competition.id).where(Competition.vehicle_sha256 == sha256),
+        select(RunFile.run_id).join(Run).where(RunFile.sha256 == sha256, has_data),
+        select(CompetitionFile.competition_id).where(CompetitionFile.sha256 == sha256),
     )
     return any(session.scalar(query.limit(1)) is not None for query in users)
 

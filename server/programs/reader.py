@@ -16,9 +16,11 @@ from seamark.programs.diagnostics import Diagnostic, Stage
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
 from seamark.server.programs.fair_semaphore import FairSemaphore
+from seamark.server.programs.own_files import FileRejected
 from seamark.server.programs.vehicles import VehicleRejected, VehicleReport
+from seamark.sim.physics.water_motion.record import BYTES_MAX as RECORD_BYTES_MAX
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 SLOTS = 2  # uploads of one web process that are read at the same time; the others wait
@@ -97,6 +99,27 @@ class ProgramReader:
         except UploadRejected as refusal:
             raise VehicleRejected(str(refusal)) from None
         return VehicleReport.from_json(json.loads(output)), content
+
+    def read_record(self, stream: BinaryIO, filename: str, *, owner: str) -> bytes:
+        """Return the file of a record of currents, which is one.
+
+        Raises
+        ------
+        FileRejected
+            It is none, or too large, or reading it costs too much.
+        SlotsBusy, ReaderBroken
+            As `read_upload`.
+        """
+        name = preparation.clean_name(filename)
+        content = stream.read(RECORD_BYTES_MAX + 1)
+        try:
+            with self.slots.taken(owner):
+                answer = json.loads(self._answer({"record": True}, content, name))
+        except UploadRejected as refusal:
+            raise FileRejected(str(refusal), field=own_files.RECORD) from None
+        if answer["refused"]:
+            raise FileRejected(f"{name}: {answer['refused']}", field=own_files.RECORD)
+        return content
 
     def close(self) -> None:
         """End the process that waits."""

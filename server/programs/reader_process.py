@@ -2,7 +2,8 @@
 
 Protocol: a line of JSON with the request and then the upload on standard input; a line of JSON
 with the answer and then the content on standard output. For a vehicle, the answer is the fields of
-a `VehicleReport`, without a content. Started by `reader`.
+a `VehicleReport`, without a content; for a record of currents it says why it is refused, if it is.
+Started by `reader`.
 """
 
 import json
@@ -27,6 +28,8 @@ def main() -> None:
     source = sys.stdin.buffer.read()
     if "vehicle" in request:
         answer, content = _vehicle(source), b""
+    elif "record" in request:
+        answer, content = _record(source), b""
     else:
         answer, content = _answer(source, request["filename"], request["role"])
     sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + content)
@@ -64,6 +67,20 @@ def _vehicle(content: bytes) -> dict[str, Any]:
         "figures": [] if errors else list(map(printable_text, report.figure_lines(vehicle))),
         "defaults": dict(vehicle.defaults),
     }
+
+
+def _record(content: bytes) -> dict[str, Any]:
+    """Return why the file of a record of currents is refused; empty if it is not."""
+    from seamark.sim.physics.water_motion.record import (  # noqa: PLC0415 - as above
+        RecordInvalid,
+        read_record,
+    )
+
+    try:
+        read_record(content)
+    except RecordInvalid as invalid:
+        return {"refused": str(invalid)}
+    return {"refused": ""}
 
 
 def _limit() -> None:

@@ -1,10 +1,8 @@
-"""Vehicles that users upload: files in the store of programs, lent to what is done for one run.
+"""Vehicles that users upload: files in the store of programs.
 
-A web process adds none to those that anybody can choose: a run has its own, by the SHA-256 of its
-file, and only while something is done for that run is its name known.
+`own_files` lends them to what is done for one run.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -12,14 +10,12 @@ from typing import Any, Protocol, Self
 
 from seamark.server.programs import store
 from seamark.server.settings import Settings
-from seamark.server.storage.storage import StorageUnavailable
 from seamark.sim.vehicles import own
 from seamark.sim.vehicles.reading import VehicleInvalid
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 FIELD = own.SETTING  # part of a form with the file
 _SHOWN_MAX = 3  # errors at a field
-_MANIFEST_ENTRY = "vehicle_file"
 
 
 class VehicleRejected(Exception):
@@ -123,31 +119,6 @@ def stored(name: str, sha256: str, settings: Settings) -> StoredVehicle:
     return StoredVehicle(name, sha256, store.read(settings, sha256))
 
 
-def content_of(run: WithVehicle, settings: Settings) -> bytes | None:
-    """Return the file of the own vehicle of a run; None without one, or if it is not there now."""
-    if run.vehicle_sha256 is None:
-        return None
-    try:
-        content = store.read(settings, run.vehicle_sha256)
-    except (FileNotFoundError, StorageUnavailable):
-        return None
-    return content if hashlib.sha256(content).hexdigest() == run.vehicle_sha256 else None
-
-
-@contextmanager
-def lent_to(settings: Settings, *runs: WithVehicle) -> Iterator[None]:
-    """Let what is done for these runs know their vehicles, as far as they are there."""
-    with ExitStack() as stack:
-        for run in runs:
-            content = content_of(run, settings)
-            if content is not None:
-                try:
-                    stack.enter_context(own.lending(content))
-                except VehicleInvalid:  # most likely accepted by an older version
-                    continue
-        yield
-
-
 @contextmanager
 def lent(vehicle: StoredVehicle | None) -> Iterator[None]:
     """Let what is done meanwhile know a vehicle; raises VehicleRejected if it cannot run."""
@@ -158,25 +129,6 @@ def lent(vehicle: StoredVehicle | None) -> Iterator[None]:
             except VehicleInvalid as invalid:  # most likely accepted by an older version
                 raise VehicleRejected(*invalid.errors) from None
         yield
-
-
-def without_text(manifest: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a manifest for the database: the store has the file of the vehicle."""
-    entry = manifest.get(_MANIFEST_ENTRY)
-    return dict(manifest) if entry is None else {**manifest, _MANIFEST_ENTRY: _short(entry)}
-
-
-def with_text(manifest: dict[str, Any], run: WithVehicle, settings: Settings) -> dict[str, Any]:
-    """Return a manifest of the database as it was, unless the file was deleted since."""
-    entry = manifest.get(_MANIFEST_ENTRY)
-    content = content_of(run, settings)
-    if entry is None or content is None:
-        return manifest
-    return {**manifest, _MANIFEST_ENTRY: {**entry, "text": content.decode("utf-8")}}
-
-
-def _short(entry: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in entry.items() if key != "text"}
 
 
 def refuse_large(size: int) -> None:

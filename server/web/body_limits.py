@@ -1,8 +1,8 @@
 """How large the body of a request may be: what a form needs, whoever sends it.
 
-Only programs and vehicles are large, and only accounts may upload them. Everything else is parsed
-in the web process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and 600 MiB of
-memory.
+Only programs and files of settings are large, and only accounts may upload them. Everything else
+is parsed in the web process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and
+600 MiB of memory.
 """
 
 from flask import Flask, g, request
@@ -13,6 +13,7 @@ from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.settings import Settings
 from seamark.sim import registry
+from seamark.sim.physics.water_motion.record import BYTES_MAX as RECORD_MAX_BYTES
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 FORM_MAX_BYTES = 128 * 1024  # of a body without a program: URL-encoded, JSON or multipart
@@ -53,8 +54,8 @@ def body_max(settings: Settings, content_type: str) -> int:
 
 
 def _files_max(settings: Settings, programs: int) -> int:
-    """Return the size [byte] of so many of the largest programs with the largest vehicle."""
-    return programs * settings.upload_max_bytes + VEHICLE_MAX_BYTES
+    """Return the size [byte] of so many of the largest programs with the largest other files."""
+    return programs * settings.upload_max_bytes + VEHICLE_MAX_BYTES + RECORD_MAX_BYTES
 
 
 def _programs_max() -> int:

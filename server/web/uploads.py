@@ -1,11 +1,12 @@
-"""The programs and the vehicle of a request: read, checked and stored."""
+"""The programs, the vehicle and the record of currents of a request: read, checked and stored."""
 
 from typing import BinaryIO
 
 from seamark.programs import parts
 from seamark.programs.preparation import UploadRejected
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.programs import store, vehicles
+from seamark.server.programs import own_files, store, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.submission import quota
@@ -73,3 +74,20 @@ def store_vehicle(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredV
     with current.database.reading() as session:
         quota.enforce(session, viewer, current.settings, new_bytes=len(content))
     return vehicles.save(report.name, content, current.settings)
+
+
+def store_record(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredFile:
+    """Store a record of currents with which the viewer may organise a competition.
+
+    Raises
+    ------
+    FileRejected
+        It is none.
+    QuotaExceeded, StorageUnavailable
+        As `store_program`.
+    """
+    current = services()
+    content = current.reader.read_record(stream, filename, owner=viewer.owner or "")
+    with current.database.reading() as session:
+        quota.enforce(session, viewer, current.settings, new_bytes=len(content))
+    return own_files.save_record(content, current.settings)

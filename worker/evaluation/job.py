@@ -45,6 +45,7 @@ class Job:
     language: str = DEFAULT_LANGUAGE
     parts: tuple[PartProgram, ...] = ()  # in the order of the benchmark's parts
     vehicle: Path | None = None  # file of a user's own, which `config` names
+    files: Mapping[str, Path] = field(default_factory=dict)  # setting -> further file of a user's
     check: bool = False  # two simulated seconds only (see check.py)
     bridge: Path | None = None  # Unix socket at which the program connects (see bridged.py)
 
@@ -59,7 +60,8 @@ class Job:
         paths = {name: getattr(self, name) for name in _PATHS}
         texts = {name: str(path) if path else None for name, path in paths.items()}
         parts = [part.to_json() for part in self.parts]
-        return json.dumps(asdict(self) | texts | {"parts": parts}).encode()
+        files = {setting: str(path) for setting, path in self.files.items()}
+        return json.dumps(asdict(self) | texts | {"parts": parts, "files": files}).encode()
 
     @classmethod
     def from_json(cls, packet: bytes) -> Self:
@@ -67,4 +69,6 @@ class Job:
         values = json.loads(packet)
         paths = {name: Path(values[name]) for name in _PATHS if values[name]}
         parts = tuple(map(PartProgram.from_json, values["parts"]))
-        return cls(**values | paths | {"seeds": tuple(values["seeds"]), "parts": parts})
+        files = {setting: Path(text) for setting, text in values["files"].items()}
+        seeds = tuple(values["seeds"])
+        return cls(**values | paths | {"seeds": seeds, "parts": parts, "files": files})

@@ -70,8 +70,9 @@ class RunDriver:
         benchmark = registry.benchmark(claim.benchmark)
         protocol = benchmark.protocol if claim.kind is RunKind.RANKED else None
         chosen, _ = parameters.split(claim.config)
-        # The simulator's process reads the file of a user's vehicle, and then the configuration.
-        read = benchmark.read if claim.vehicle_sha256 is None else benchmark.restore
+        # The simulator's process reads the files of a user, and then the configuration.
+        has_files = claim.vehicle_sha256 is not None or bool(claim.files)
+        read = benchmark.restore if has_files else benchmark.read
         self._trial_s = benchmark.trial_duration_s(read(chosen))
         self._recorder = RunRecorder(
             self._files,
@@ -229,6 +230,7 @@ class RunDriver:
             language=claim.language or DEFAULT_LANGUAGE,
             parts=tuple(map(self._part, claim.parts)),
             vehicle=self._uploaded(claim.vehicle_sha256),
+            files={one.setting: self._fetched(one.sha256) for one in claim.files},
             bridge=self._context.bridge,
         )
 

@@ -21,9 +21,9 @@ from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.settings import own_files
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.vehicles import own
-from seamark.sim.vehicles.reading import VehicleInvalid
 from seamark.worker.evaluation.bridged import evaluate_bridged
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.evaluation import Evaluation
@@ -142,12 +142,14 @@ def _run(
 
 
 def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutcome:
-    if job.vehicle is not None:
-        # A stranger's: it is known to this process alone, which ends with the run.
+    vehicle = {} if job.vehicle is None else {own.SETTING: job.vehicle}
+    if files := vehicle | dict(job.files):
+        # A stranger's: they are known to this process alone, which ends with the run.
         try:
-            own.add(job.vehicle.read_bytes())
+            for setting, path in files.items():
+                own_files.add(setting, path.read_bytes())
             registry.benchmark(job.benchmark).read(parameters.split(job.config)[0])
-        except (VehicleInvalid, ConfigurationInvalid) as invalid:
+        except (*own_files.INVALID, ConfigurationInvalid) as invalid:
             return no_longer_valid(invalid)
     compile_program = sandboxed_compiler(slot)
     if job.check:

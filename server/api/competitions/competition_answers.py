@@ -17,6 +17,7 @@ def answer(view: CompetitionView) -> dict[str, Any]:
         "document": view.document.canonical(),
         "digest": view.digest,
         "vehicle_sha256": view.vehicle_sha256,
+        "files": dict(view.files),
         "is_organiser": competition_access.is_organiser(view),
     }
 

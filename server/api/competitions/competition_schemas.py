@@ -158,6 +158,9 @@ class CompetitionResponse(CompetitionSummary):
     )
     digest: str = Field(description="SHA-256 of the canonical JSON of the document")
     vehicle_sha256: str | None = Field(description="of the organiser's own vehicle")
+    files: dict[str, str] = Field(
+        description="SHA-256 of the organiser's other files, by the settings that name them"
+    )
     is_organiser: bool
 
 

@@ -1,4 +1,4 @@
-"""The document of a draft with its picture and its vehicle, as an organiser sends them."""
+"""The document of a draft with its picture and its settings' files, as an organiser sends them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from seamark.competitions.document import DocumentInvalid
 from seamark.server.api.requests import request_body
 from seamark.server.judging import drafts
 from seamark.server.judging.drafts import Draft
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.web import access, uploads
 from seamark.server.web.body_limits import JSON_MAX_BYTES
 from seamark.server.web.problems import Problem
@@ -27,7 +28,7 @@ def read() -> Draft:
 
     Raises
     ------
-    DocumentInvalid, VehicleRejected, QuotaExceeded, StorageUnavailable
+    DocumentInvalid, VehicleRejected, FileRejected, QuotaExceeded, StorageUnavailable
         As `drafts.read` and `uploads.store_vehicle`.
     """
     settings = services().settings
@@ -38,19 +39,27 @@ def read() -> Draft:
         raise Problem(
             "unsupported-media-type",
             "Send the document as application/json, or as the part `document` of "
-            "multipart/form-data with the files `picture` and `vehicle`.",
+            "multipart/form-data with the files `picture`, `vehicle` and `current_record`.",
         )
     values, file = _document(), request.files.get(vehicles.FIELD)
     picture = request.files.get(PICTURE)
     vehicle = None
     if file is not None:
-        stream, name = cast("BinaryIO", file.stream), file.filename or ""
-        vehicle = uploads.store_vehicle(stream, name, viewer=access.viewer())
+        vehicle = uploads.store_vehicle(*_opened(file), viewer=access.viewer())
+    record = request.files.get(own_files.RECORD)
+    files: tuple[StoredFile, ...] = ()
+    if record is not None:
+        files = (uploads.store_record(*_opened(record), viewer=access.viewer()),)
     return drafts.read(
         *(_without_paths(values), settings),
         vehicle=vehicle,
+        files=files,
         picture=None if picture is None else picture.stream.read(drafts.PICTURE_MAX_BYTES + 1),
     )
+
+
+def _opened(file: FileStorage) -> tuple[BinaryIO, str]:
+    return cast("BinaryIO", file.stream), file.filename or ""
 
 
 def _document() -> dict[str, Any]:

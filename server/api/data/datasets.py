@@ -11,7 +11,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import DatasetQuery, RunPath
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.slow_readers import DownloadSlot, SlotTaken
 from seamark.server.runs.record.seeds import seeds_hidden, trial_seeds
@@ -117,7 +117,7 @@ def _each(
     pieces: Iterator[bytes], view: RunView, settings: Settings
 ) -> Generator[bytes, None, None]:
     while True:
-        with vehicles.lent_to(settings, view):  # not across a yield, where others work
+        with own_files.lent_to(settings, view):  # not across a yield, where others work
             piece = next(pieces, None)
         if piece is None:
             return

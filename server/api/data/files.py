@@ -19,7 +19,7 @@ from seamark.server.api.requests.schemas import (
     RunPath,
     TelemetryQuery,
 )
-from seamark.server.programs import store, vehicles
+from seamark.server.programs import own_files, store
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.seeds import seeds_hidden
 from seamark.server.runs.showing.views import RunView
@@ -123,7 +123,7 @@ def manifest(path: RunPath) -> Response:
     document = view.manifest or access.files_of(view).manifest()
     if document is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
-    whole = vehicles.with_text(document, view, services().settings)
+    whole = own_files.with_texts(document, view, services().settings)
     return jsonify(with_publication(without_hidden_seeds(whole, view), view))
 
 

@@ -16,7 +16,7 @@ from seamark.server.api.data import files as run_files
 from seamark.server.api.requests.file_answers import answers_with
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import RunPath
-from seamark.server.programs import store, vehicles
+from seamark.server.programs import own_files, store
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.conversions import Job
 from seamark.server.runs.publication import citations
@@ -98,7 +98,7 @@ def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
         seeds=list(map(trial_seeds(view, settings), range(view.trials))) if kind.images else None,
         comments=run_files.comments(view, files, count),
         manifest=_manifest(view, manifest),
-        vehicle=_vehicle(view),
+        files=_files(view),
         metrics=run_files.without_hidden_seeds(metrics, view),
         program=None if program is None else view.program_name or "program",
         parts=[
@@ -115,14 +115,14 @@ def _manifest(view: RunView, manifest: Any) -> Any:
     """Return the manifest as it may be shown; a run that has not ended has none."""
     if manifest is None:
         return None
-    whole = vehicles.with_text(manifest, view, services().settings)
+    whole = own_files.with_texts(manifest, view, services().settings)
     return with_publication(run_files.without_hidden_seeds(whole, view), view)
 
 
-def _vehicle(view: RunView) -> str | None:
-    """Return the file of the run's own vehicle; None without one, or if it was deleted."""
-    content = vehicles.content_of(view, services().settings)
-    return None if content is None else content.decode("utf-8")
+def _files(view: RunView) -> dict[str, str]:
+    """Return setting -> file of the run's own, those that were not deleted."""
+    contents = own_files.contents_of(view, services().settings)
+    return {setting: content.decode("utf-8") for setting, content in contents.items()}
 
 
 def _citation(view: RunView) -> dict[str, str]:

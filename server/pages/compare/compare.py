@@ -11,7 +11,7 @@ from seamark.sandbox.languages.language import DETECTOR
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages.compare.compared_programs import program_differences
 from seamark.server.pages.previews import link_previews
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.record.seeds import trial_seeds
 from seamark.server.runs.record.solutions import entry_name
@@ -200,7 +200,7 @@ def _charts(runs: Sequence[RunView]) -> list[dict[str, str]]:
     charts = []
     for run in runs:
         benchmark = registry.benchmark(run.benchmark)
-        with vehicles.lent_to(services().settings, run):
+        with own_files.lent_to(services().settings, run):
             shown = benchmark.charts_of(benchmark.restore(run.config))
         charts.append(
             {

@@ -10,7 +10,7 @@ from seamark.server.pages.run.log_view import (
     has_unknown_current,
     tracks,
 )
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.showing.maps import map_of
 from seamark.server.runs.showing.views import RunView
@@ -34,7 +34,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     """Return levels, charts and columns of a run."""
     benchmark = known_benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
-    with vehicles.lent_to(services().settings, run):
+    with own_files.lent_to(services().settings, run):
         charts, unused = _charts(run, benchmark.charts_of(config)), config.unused_columns()
     width = _width(files, config)
     left_out = _NOT_CHARTED | absent_columns(run) | unused | _DETECTIONS

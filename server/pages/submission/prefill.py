@@ -164,13 +164,23 @@ def _requested_run(benchmark: Benchmark) -> RunView | None:
 def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
     """Return the form of a run: the same program, configuration, kind and seed."""
     vehicle, why_not = _vehicle(run)
-    shown = _with_parts(_with_program(benchmark, run), run)
+    shown = _without_files(_with_parts(_with_program(benchmark, run), run), run)
     if not why_not:
         return replace(shown, vehicle=vehicle)
     values = {name: value for name, value in shown.values.items() if name != vehicles.FIELD}
     return replace(
         shown, values=values, note=f"{shown.note} It does not have its vehicle: {why_not}."
     )
+
+
+def _without_files(shown: Prefill, run: RunView) -> Prefill:
+    """Return the form without files of the run that no form sends, and with a note about them."""
+    settings = {one.setting for one in run.files}
+    if not settings:
+        return shown
+    values = {name: value for name, value in shown.values.items() if name not in settings}
+    note = f"{shown.note} It does not have its record of currents: run it again instead."
+    return replace(shown, values=values, note=note)
 
 
 def _with_parts(shown: Prefill, run: RunView) -> Prefill:

@@ -20,7 +20,7 @@ from seamark.server.database import counters
 from seamark.server.database.competition_tables import Competition, Entry, Round
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Counter
-from seamark.server.database.tables import IS_LISTED, Result, Run, RunPart
+from seamark.server.database.tables import IS_LISTED, Result, Run, RunFile, RunPart
 from seamark.server.monitoring import meters
 from seamark.server.programs import store
 from seamark.server.runs.data import run_objects
@@ -117,6 +117,13 @@ def excess_bytes(session: Session, settings: Settings) -> int:
     return int(total) - settings.retention_bytes
 
 
+# What was uploaded for runs beside what their rows name.
+_FURTHER = (
+    select(RunPart.run_id, RunPart.program_sha256).join(Run),
+    select(RunFile.run_id, RunFile.sha256).join(Run),
+)
+
+
 @dataclass(frozen=True, slots=True)
 class _Row:
     """What the sweep needs to know of a run."""
@@ -159,11 +166,14 @@ class Sweep:
         columns = [getattr(Run, name) for name in _Row.__dataclass_fields__]
         with self._database.reading() as session:
             rows = {row.id: _Row(*row) for row in session.execute(select(*columns).where(within))}
-            query = select(RunPart.run_id, RunPart.program_sha256).join(Run).where(within)
-            parts = [(run_id, sha256) for run_id, sha256 in session.execute(query)]
+            further = [
+                (run_id, sha256)
+                for query in _FURTHER
+                for run_id, sha256 in session.execute(query.where(within))
+            ]
             expired = _expired(session, within, self._settings)
         sizes = self._tidied(folder, rows)
-        self._measure(rows.values(), sizes, parts)
+        self._measure(rows.values(), sizes, further)
         if expired:
             deleted = delete(self._database, self._settings, expired)
             meters.RETENTION_RUNS.labels("age").inc(len(deleted))
@@ -225,11 +235,11 @@ class Sweep:
         self,
         rows: Iterable[_Row],
         of_objects: Mapping[int, int],
-        parts: Iterable[tuple[int, str]],
+        further: Iterable[tuple[int, str]],
     ) -> None:
         """Record the size of runs that ended without their worker, or in an earlier version.
 
-        `parts` are runs and the SHA-256 of each further program.
+        `further` are runs and the SHA-256 of each further program or file.
         """
         due = time.time() - MEASURED_AFTER_S
         sizes: dict[int, int] = {
@@ -237,7 +247,7 @@ class Sweep:
             for row in rows
             if not row.data_measured and row.finished_at is not None and row.finished_at < due
         }
-        for run_id, sha256 in parts:
+        for run_id, sha256 in further:
             if run_id in sizes:
                 sizes[run_id] += store.size(self._settings, sha256)
         unmeasured = (Run.data_measured.is_(False), Run.data_deleted_at.is_(None))

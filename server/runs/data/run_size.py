@@ -33,7 +33,7 @@ class RunSize:
 
 
 def estimate(
-    config: Configuration, *, trials: int, program_bytes: int | None, vehicle_bytes: int = 0
+    config: Configuration, *, trials: int, program_bytes: int | None, files_bytes: int = 0
 ) -> RunSize:
     """Return what a run may record.
 
@@ -41,13 +41,14 @@ def estimate(
     ----------
     program_bytes
         Size of the uploaded program, which is stored with the run and may print; None without one.
-    vehicle_bytes
-        Size of the file of the user's own vehicle, which is stored, and again in the manifest.
+    files_bytes
+        Size of the user's own files that settings name, which are stored, and again in the
+        manifest.
     """
     rows, columns = config.telemetry_shape()
     per_trial = 8 * rows * columns + METRICS_BYTES_PER_LEVEL * len(config.level_values())
     own = 0 if program_bytes is None else program_bytes + HEAD_MAX + TAIL_MAX
-    own += vehicle_bytes * (1 + MANIFEST_SHARE)
+    own += files_bytes * (1 + MANIFEST_SHARE)
     return RunSize(trials * rows, trials * per_trial + own)
 
 

@@ -17,8 +17,7 @@ from seamark.formats.recording import Program, Recording
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.downloads.slow_readers import DeadlineOutput
-from seamark.sim.vehicles import own
-from seamark.sim.vehicles.reading import VehicleInvalid
+from seamark.sim.settings import own_files
 
 CPU_S = 900  # the largest run as MCAP, with its images, takes a third of it
 DATA_MIB = 2048  # beyond this a format does not keep its promise; Arrow and OpenCV need 400
@@ -36,9 +35,9 @@ def main() -> None:
 
 
 def _recording(job: dict[str, Any], programs: bytes) -> Recording:
-    if job["vehicle"] is not None:
-        with suppress(VehicleInvalid):  # most likely accepted by an older version
-            own.add(job["vehicle"].encode())
+    for setting, text in job["files"].items():
+        with suppress(*own_files.INVALID):  # most likely accepted by an older version
+            own_files.add(setting, text.encode())
     end = len(programs) - sum(size for _role, _name, size in job["parts"])
     parts: dict[str, Program] = {}
     for role, name, size in job["parts"]:

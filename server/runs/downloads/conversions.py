@@ -47,7 +47,7 @@ class Job:
     metrics: dict[str, object] | None
     program: str | None = None  # its name
     parts: list[tuple[str, str, int]] = field(default_factory=list)  # role, name, size [B]
-    vehicle: str | None = None  # file of the user's own
+    files: dict[str, str] = field(default_factory=dict)  # setting -> file of the user's own
     extra_files: dict[str, str]
 
     def request(self, kind: Format, files: RunFiles) -> bytes:

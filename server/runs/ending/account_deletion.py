@@ -27,6 +27,7 @@ from seamark.server.database.tables import (
     Check,
     Invitation,
     Run,
+    RunFile,
     RunPart,
     Token,
     User,
@@ -108,7 +109,8 @@ def _delete_rows(session: Session, user_id: int) -> None:
     session.execute(delete(Run).where(Run.id.in_(session.scalars(empty).all())))
     # SQLite would give its number to the next run, so the newest stays, as nobody's.
     own_newest = select(Run.id).where(_own(user_id), Run.id == newest)
-    session.execute(delete(RunPart).where(RunPart.run_id.in_(own_newest)))
+    for uploads in (RunPart, RunFile):
+        session.execute(delete(uploads).where(uploads.run_id.in_(own_newest)))
     kept = update(Run).where(_own(user_id), Run.id == newest)
     session.execute(
         kept.values(owner="deleted", user_id=None, program_sha256=None, vehicle_sha256=None)

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data.error_curve import Curve
 from seamark.server.runs.ending import first_results
 from seamark.server.runs.leaderboard import best_runs
@@ -88,7 +88,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             reference_scores=trial_scores(metrics, REFERENCE) or None,
             error_curve=report.error_curve,
             metrics=report.metrics,
-            manifest=None if report.manifest is None else vehicles.without_text(report.manifest),
+            manifest=None if report.manifest is None else own_files.without_texts(report.manifest),
             created_at=time.time(),
         )
     )

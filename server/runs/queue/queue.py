@@ -24,8 +24,8 @@ from seamark.server.messaging import workers
 from seamark.server.monitoring import meters
 from seamark.server.runs.queue import next_in_turn, order
 from seamark.server.runs.queue.next_in_turn import TurnTaken
-from seamark.server.runs.record import run_parts, turns
-from seamark.server.runs.record.columns import RunSpec
+from seamark.server.runs.record import run_files, run_parts, turns
+from seamark.server.runs.record.columns import OwnFile, RunSpec
 from seamark.server.runs.record.states import RunState, move
 from seamark.server.runs.record.turns import Priority, TurnKept
 from seamark.server.settings import Settings
@@ -42,6 +42,7 @@ class Claim(RunSpec):
     lease_s: float
     program_sha256: str | None
     vehicle_sha256: str | None = None  # of a user's own
+    files: tuple[OwnFile, ...] = ()  # further ones of a user's own
     user_id: int | None = None
     draw: int | None = None  # of fresh trials, if it verifies another run
     trial_seeds: tuple[int, ...] | None = None  # of a ranked run; None: not filled in yet
@@ -173,6 +174,7 @@ def _start(session: Session, run_id: int, worker: str, settings: Settings) -> Ro
 def _claim_of(session: Session, run: Row[Any], run_id: int, settings: Settings) -> Claim:
     values = dict(run._mapping) | {"run_id": run_id, "lease_s": settings.lease_s}
     values["parts"] = tuple(run_parts.of_runs(session, [(run_id, run.benchmark)])[run_id])
+    values["files"] = tuple(run_files.of_runs(session, [(run_id, run.config)])[run_id])
     return Claim.model_validate(values)
 
 

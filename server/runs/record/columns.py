@@ -39,6 +39,15 @@ class Part(RowValues):
     program_parameters: list[dict[str, Any]] | None = None  # as the program declares them
 
 
+class OwnFile(RowValues):
+    """A file that a setting of a run names."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    setting: str
+    sha256: str
+
+
 class RunSpec(RowValues):
     """What is evaluated; never changes after the submission."""
 

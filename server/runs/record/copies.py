@@ -3,7 +3,7 @@
 import time
 from typing import Any
 
-from seamark.server.database.tables import Run, RunPart
+from seamark.server.database.tables import Run, RunFile, RunPart
 from seamark.server.runs.record.states import RunState
 
 # Never changed after the submission, and all that an evaluation depends on.
@@ -30,6 +30,7 @@ def copy_of(original: Run, owner: str, **changes: Any) -> Run:
             "parts": [
                 RunPart(**{name: getattr(part, name) for name in _PART}) for part in original.parts
             ],
+            "files": [RunFile(setting=file.setting, sha256=file.sha256) for file in original.files],
         }
         | changes
     )

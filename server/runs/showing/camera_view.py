@@ -18,7 +18,7 @@ import structlog
 from numpy.typing import NDArray
 
 from seamark.formats.jpeg import jpeg
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.data.files import RunFiles
 from seamark.server.runs.record.seeds import TrialSeeds, trial_seeds
@@ -109,7 +109,7 @@ def render(
         return None
     config = json.dumps(run.config, sort_keys=True)
     # Of many viewers who ask for the same image, all but the first find it.
-    with _lock, vehicles.lent_to(settings, run):
+    with _lock, own_files.lent_to(settings, run):
         seeds = trial_seeds(run, settings)
         return _rendered(run.benchmark, config, seeds, row.tobytes(), drawn)
 
@@ -141,7 +141,7 @@ def _rendered(
 def camera_of(settings: Settings, run: RunView, *, trial: int, level: int) -> "Iterator[Camera]":
     """Give the camera of a level of a run, which nobody else uses meanwhile."""
     config = json.dumps(run.config, sort_keys=True)
-    with _lock, vehicles.lent_to(settings, run):
+    with _lock, own_files.lent_to(settings, run):
         yield _replay(run.benchmark, config, trial_seeds(run, settings)).camera(trial, level)
 
 

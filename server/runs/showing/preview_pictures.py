@@ -14,7 +14,7 @@ import numpy as np
 
 from seamark import templates
 from seamark.sandbox.printable_text import printable_text
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.leaderboard.board_rows import Rank
 from seamark.server.runs.record.solutions import entry_name, team
@@ -182,7 +182,7 @@ def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple
     for curve in curves[:1]:
         lines = [(np.array(line["x"]), np.array(line["values"])) for line in curve["lines"]]
         return f"{curve['title']} [{curve['unit']}]", lines
-    with vehicles.lent_to(settings, runs[0]):
+    with own_files.lent_to(settings, runs[0]):
         chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
     lines = []
     for run in runs:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.formats.jpeg import jpeg
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files
 from seamark.server.runs.data import stored_files
 from seamark.server.runs.showing import camera_view
 from seamark.server.runs.showing.routes import route_of
@@ -73,7 +73,7 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
 
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
-    with vehicles.lent_to(settings, run):
+    with own_files.lent_to(settings, run):
         known = load(str(name)) if is_known(name) else None
         shape = None if known is None else vehicle_shape(known, config.chosen_arm())
         search = search_of(settings, run, target, optics, trial=trial, level=level)

@@ -12,8 +12,8 @@ from seamark.server.database.competition_tables import Entry, Team
 from seamark.server.database.tables import IS_LISTED, Result, Run, User
 from seamark.server.runs.data.error_curve import Curve
 from seamark.server.runs.queue import wait_estimate
-from seamark.server.runs.record import anonymity, entries, run_parts
-from seamark.server.runs.record.columns import Part, PublicRun
+from seamark.server.runs.record import anonymity, entries, run_files, run_parts
+from seamark.server.runs.record.columns import OwnFile, Part, PublicRun
 from seamark.server.runs.record.entries import EntryAccess
 from seamark.server.runs.record.states import RunKind, RunState
 from seamark.server.settings import Settings
@@ -28,6 +28,7 @@ class RunView(PublicRun):
     user_id: int | None
     guest: str | None
     program_sha256: str | None
+    files: tuple[OwnFile, ...] = ()  # of the user's own, but for the vehicle's
     sweep_cell: int | None = None
     detail: dict[str, Any]  # title, sentence, remedy, traceback, log_tail, t_reached; when failed
     score: float | None = None
@@ -73,6 +74,7 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
         return None
     run, result, user, team = rows
     run_parts.load(session, [run])
+    run_files.load(session, [run])
     more: dict[str, object] = {
         "teacher_id": classrooms.teacher_of(session, run_id),
         "entry": entries.access_of(session, run),
@@ -110,6 +112,7 @@ def _views(
 ) -> list[RunView]:
     rows = session.execute(query).all()
     run_parts.load(session, (row[0] for row in rows))
+    run_files.load(session, (row[0] for row in rows))
     return [view(*row) for row in rows]
 
 

@@ -20,9 +20,10 @@ from seamark.server.classes import assignments
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import after_commit
-from seamark.server.database.tables import Run, RunPart
+from seamark.server.database.tables import Run, RunFile, RunPart
 from seamark.server.messaging import workers
-from seamark.server.programs import store, vehicles
+from seamark.server.programs import own_files, store, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.queue import paces
@@ -143,6 +144,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         program=program_of(old, settings),
         parts=parts_of(old, settings),
         vehicle=vehicle_of(old, settings),
+        files=files_of(old, settings),
         seed=old.seed,
         trials=old.trials,
         title=old.title,
@@ -237,6 +239,16 @@ def vehicle_of(run: Run, settings: Settings) -> StoredVehicle | None:
         ) from None
 
 
+def files_of(run: Run, settings: Settings) -> tuple[StoredFile, ...]:
+    """Return the files that settings of a run name, to be run again; raises as `vehicle_of`."""
+    try:
+        return own_files.of_run(run, settings)
+    except FileNotFoundError:
+        raise SubmissionRejected(
+            "The record of currents of this run has been deleted.", field=own_files.RECORD
+        ) from None
+
+
 def _owner(submission: Submission) -> str | None:
     """Return whose run it is: not of who submits the entry of a team."""
     return submission.viewer.owner if submission.entry is None else submission.entry.owner
@@ -268,6 +280,11 @@ def _row(valid: ValidSubmission) -> Run:
         vehicle_sha256=vehicle.sha256 if vehicle is not None and own else None,
         program_parameters=[one.to_json() for one in valid.whole.declared] or None,
         parts=[_part(role, part) for role, part in submission.parts.items()],
+        files=[
+            RunFile(setting=file.setting, sha256=file.sha256)
+            for file in submission.files
+            if config[file.setting] == file.name
+        ],
         title=clean_title(submission.title),
         notes=clean_notes(submission.notes),
         rerun_of=submission.rerun_of,

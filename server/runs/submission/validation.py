@@ -10,7 +10,8 @@ from seamark.programs.configurations import RunConfiguration
 from seamark.programs.parameters import Parameter
 from seamark.sandbox.languages import images_refusal, role_refusal
 from seamark.server.accounts.permissions import Action, Viewer, can
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.data import run_size
@@ -68,6 +69,7 @@ class Submission:
     program: StoredProgram | None = None
     parts: Mapping[str, StoredProgram] = field(default_factory=dict)  # role -> further program
     vehicle: StoredVehicle | None = None  # the user's own, practice only; `config` may name it
+    files: tuple[StoredFile, ...] = ()  # that `config` names; practice and entries only
     seed: int | None = None  # practice only; None: drawn
     trials: int | None = None  # practice only; None: one
     title: str = ""
@@ -98,12 +100,12 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
     ------
     ConfigurationInvalid
         The configuration is wrong: a sentence for each setting.
-    SubmissionRejected, VehicleRejected
+    SubmissionRejected, VehicleRejected, FileRejected
         Another rule is broken.
     """
     if submission.vehicle is not None and submission.kind is RunKind.RANKED:
         raise SubmissionRejected(RANKED_VEHICLE, field=vehicles.FIELD)
-    with vehicles.lent(submission.vehicle):
+    with own_files.lent(submission.vehicle, submission.files):
         return _validate(submission, settings)
 
 
@@ -136,7 +138,7 @@ def _validate(submission: Submission, settings: Settings) -> ValidSubmission:
         config,
         trials=trials,
         program_bytes=sum(one.size for one in programs) if programs else None,
-        vehicle_bytes=0 if submission.vehicle is None else len(submission.vehicle.content),
+        files_bytes=sum(len(one.content) for one in _own_files(submission)),
     )
     refusal = size.refusal(settings.run_max_bytes)
     if refusal is not None and submission.kind is RunKind.PRACTICE:
@@ -173,7 +175,7 @@ def require_permission(
 ) -> None:
     """Raise SubmissionRejected if the viewer may not submit such a run.
 
-    `uploads` is what is uploaded for it: "program", "vehicle" or the role of a part.
+    `uploads` is what is uploaded for it: "program", "vehicle", the role of a part or a setting.
     """
     if kind is RunKind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
         raise AccountNeeded("A ranked run needs an account: the leaderboard shows its name.")
@@ -207,7 +209,13 @@ def _first_upload(submission: Submission) -> str:
     if submission.program is not None:
         return "program"
     vehicle = ("vehicle",) if submission.vehicle is not None else ()
-    return next(iter((*submission.parts, *vehicle)), "")
+    files = (file.setting for file in submission.files)
+    return next(iter((*submission.parts, *vehicle, *files)), "")
+
+
+def _own_files(submission: Submission) -> tuple[StoredVehicle | StoredFile, ...]:
+    vehicle = () if submission.vehicle is None else (submission.vehicle,)
+    return (*vehicle, *submission.files)
 
 
 def _check_images(config: Configuration, language: str) -> None:

@@ -154,7 +154,8 @@ def _of_rows(rows: Array, notes: dict[str, str]) -> Record:
     if not np.all(table[:, :, 1] == levels) or np.any(np.diff(levels) <= 0.0) or levels[0] < 0.0:
         raise RecordInvalid("The heights of a record must increase from row to row, from 0 up.")
     step_s = float(times[-1] - times[0]) / (count - 1)
-    if step_s <= 0.0 or np.any(np.abs(np.diff(times) - step_s) > 1e-3 * step_s + 1e-6):
+    uneven = np.abs(np.diff(times) - step_s) > 1e-3 * step_s + 1e-6
+    if not 0.0 < step_s < math.inf or np.any(uneven):
         raise RecordInvalid("The instants of a record must increase in equal steps.")
     velocity = np.ascontiguousarray(table[:, :, 2:].transpose(1, 2, 0))
     if np.any(np.abs(velocity) > FASTEST_M_S):

@@ -2,12 +2,16 @@
 
 A user's record is named by the start of its file's SHA-256, as in "record@0123456789abcdef", so
 that no other can be taken for it. It is known in this process once its file was read, and a run's
-manifest has the file itself.
+manifest has the file itself. A process that serves many users adds none: it lends one for as long
+as it works on a run with it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from seamark.sim.physics.water_motion.record import (
@@ -22,6 +26,7 @@ SETTING = "current_record"
 SUFFIX = ".csv"
 _MARK = "record@"
 _HASH_DIGITS = 16
+_KEPT = 4  # files of users, each of at most a few MB as numbers
 FOLDER = Path(__file__).with_name("records")
 SHIPPED = {path.stem: path for path in sorted(FOLDER.glob(f"*{SUFFIX}"))}
 
@@ -33,8 +38,16 @@ class RecordFile(NamedTuple):
     text: str
 
 
-_FILES: dict[str, RecordFile] = {}
-_RECORDS: dict[str, Record] = {}
+class OwnRecord(NamedTuple):
+    """A user's record, and the name by which settings choose it."""
+
+    name: str
+    record: Record
+    file: RecordFile
+
+
+_ADDED: dict[str, OwnRecord] = {}
+_LENT: ContextVar[Mapping[str, OwnRecord]] = ContextVar("_LENT", default=MappingProxyType({}))
 
 
 def load(name: str) -> Record:
@@ -43,11 +56,10 @@ def load(name: str) -> Record:
     Raises
     ------
     LookupError
-        None of that name is shipped, and none was added.
+        None of that name is shipped, and none was added or is lent.
     """
-    if name in _RECORDS:
-        return _RECORDS[name]
-    return _shipped(name)
+    found = _own(name)
+    return _shipped(name) if found is None else found.record
 
 
 @lru_cache(maxsize=8)
@@ -59,7 +71,7 @@ def _shipped(name: str) -> Record:
 
 def is_known(name: object) -> bool:
     """Return whether `load` returns a record of this name now."""
-    return isinstance(name, str) and (name in SHIPPED or name in _RECORDS)
+    return isinstance(name, str) and (name in SHIPPED or _own(name) is not None)
 
 
 def is_own(name: object) -> bool:
@@ -75,15 +87,37 @@ def add(content: bytes) -> str:
     RecordInvalid
         Its file breaks a rule.
     """
-    record, digest = read_record(content), sha256(content)
-    name = _MARK + digest[:_HASH_DIGITS]
-    _RECORDS[name], _FILES[name] = record, RecordFile(digest, content.decode("utf-8"))
-    return name
+    found = _read(content)
+    _ADDED[found.name] = found
+    return found.name
+
+
+@contextmanager
+def lending(content: bytes) -> Iterator[str]:
+    """Let this thread use a record meanwhile, and nothing else in this process.
+
+    Raises
+    ------
+    RecordInvalid
+        As `add`.
+    """
+    found = _read(content)
+    before = _LENT.set({**_LENT.get(), found.name: found})
+    try:
+        yield found.name
+    finally:
+        _LENT.reset(before)
+
+
+def name_of(content: bytes) -> str:
+    """Return the name by which settings choose the record of a file."""
+    return _MARK + sha256(content)[:_HASH_DIGITS]
 
 
 def file_of(name: object) -> RecordFile | None:
-    """Return the file of a record that was added; None for any other value."""
-    return _FILES.get(name) if isinstance(name, str) else None
+    """Return the file of a record that was added or is lent; None for any other value."""
+    found = _own(name) if isinstance(name, str) else None
+    return None if found is None else found.file
 
 
 def resolved(settings: Mapping[str, object]) -> dict[str, object]:
@@ -103,3 +137,13 @@ def resolved(settings: Mapping[str, object]) -> dict[str, object]:
     except OSError as error:
         raise RecordInvalid(f"The file cannot be read: {error.strerror}.") from None
     return {**settings, SETTING: add(content)}
+
+
+def _own(name: str) -> OwnRecord | None:
+    return _LENT.get().get(name) or _ADDED.get(name)
+
+
+@lru_cache(maxsize=_KEPT)
+def _read(content: bytes) -> OwnRecord:
+    record = read_record(content)
+    return OwnRecord(name_of(content), record, RecordFile(sha256(content), content.decode("utf-8")))

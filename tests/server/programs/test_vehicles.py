@@ -10,7 +10,7 @@ from contextlib import closing
 import pytest
 
 from seamark.server.database.tables import Run
-from seamark.server.programs import check_queue, store, vehicles
+from seamark.server.programs import check_queue, own_files, store
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.programs.vehicles import VehicleRejected
 from seamark.server.runs.data import retention, run_size
@@ -128,13 +128,13 @@ def test_the_database_has_a_manifest_without_the_file_and_shows_it_with_the_file
     run = backend.show(run_id)
 
     assert run.manifest == {"digest": "0" * 64, "vehicle_file": {"sha256": SHA256}}
-    assert vehicles.with_text(run.manifest, run, backend.settings) == whole
+    assert own_files.with_texts(run.manifest, run, backend.settings) == whole
 
 
 def test_a_vehicle_is_known_while_something_is_done_for_its_run_alone(backend: Backend) -> None:
     run = backend.show(backend.queue_vehicle())
 
-    with vehicles.lent_to(backend.settings, run):
+    with own_files.lent_to(backend.settings, run):
         assert is_known(NAME)
     assert not is_known(NAME)
 
@@ -144,9 +144,9 @@ def test_a_vehicle_that_was_changed_in_the_store_is_not_used(backend: Backend) -
     file = backend.settings.data / "programs" / SHA256
     file.write_bytes(VEHICLE.replace('"Mine"', '"Theirs"').encode())
 
-    with vehicles.lent_to(backend.settings, run):
+    with own_files.lent_to(backend.settings, run):
         assert not is_known(NAME)
-    assert vehicles.content_of(run, backend.settings) is None
+    assert own_files.contents_of(run, backend.settings) == {}
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from sqlalchemy import update
 
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
-from seamark.server.programs import check_queue, vehicles
+from seamark.server.programs import check_queue, own_files, vehicles
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.showing.views import RunView
 from seamark.server.runs.submission import submission, validation
@@ -50,7 +50,7 @@ def test_a_vehicle_of_a_user_gives_the_server_the_bytes_of_a_local_run(running: 
     assert run.config["kp"] == 0.7  # the default of this vehicle
     whole = running.files(run.id).manifest() or {}
     assert whole["vehicle_file"] == (here.manifest or {})["vehicle_file"]
-    assert vehicles.with_text(run.manifest or {}, run, running.settings) == whole
+    assert own_files.with_texts(run.manifest or {}, run, running.settings) == whole
     stored = len(VEHICLE) + running.files(run.id).size()
     assert run.data_bytes == stored
 
