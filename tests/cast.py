@@ -19,7 +19,8 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
-from seamark.server.programs import store, vehicles
+from seamark.server.programs import own_files, store, vehicles
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.ending import first_results, results
@@ -53,6 +54,9 @@ extends = "bluerov2-heavy-v2"
 [defaults]
 kp = 0.7
 """
+RECORD = "# seamark-current 1\n# title: A test\ntime_s,height_m,north,east,down\n" + "".join(
+    f"{10 * at},1,{0.2 + 0.02 * (at % 3)},0.05,0\n" for at in range(20)
+)
 PI_RUN: dict[str, Any] = {"benchmark": "currents-v1", "config": {}, "controller": "pi"}
 MANIFEST = {"seed": 7, "trials": [{"seed": 9}]}
 
@@ -100,6 +104,10 @@ class Backend:
         """Store the file of a vehicle as an upload of it is stored."""
         content = text.encode()
         return vehicles.save(own.usable(content).name, content, self.settings)
+
+    def store_record(self, text: str = RECORD) -> StoredFile:
+        """Store the file of a record of currents as an upload of it is stored."""
+        return own_files.save_record(text.encode(), self.settings)
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""

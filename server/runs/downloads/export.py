@@ -108,11 +108,9 @@ def write_run(
     files = stored_files.of_run(settings, run)
     if program and (log := files.log_text()):
         file.writestr(f"{folder}/log.txt", log)
-    for name, sha256 in _programs(run) if program else ():
+    for name, sha256 in (*(_programs(run) if program else ()), *_files(run)):
         if store.size(settings, sha256):
             file.writestr(f"{folder}/{name}", store.read(settings, sha256))
-    if run.vehicle_sha256 is not None and store.size(settings, run.vehicle_sha256):
-        file.writestr(f"{folder}/vehicle.toml", store.read(settings, run.vehicle_sha256))
     yield
     if telemetry and files.telemetry_path.is_file():
         file.writestr(f"{folder}/columns.json", as_json(files.columns))
@@ -137,3 +135,11 @@ def _programs(run: RunView) -> Iterator[tuple[str, str]]:
 def as_json(value: object) -> str:
     """Return a value as the files of an archive have it."""
     return json.dumps(value, indent=2, ensure_ascii=False)
+
+
+def _files(run: RunView) -> Iterator[tuple[str, str]]:
+    """Yield name in the folder and SHA-256 of each file that a setting of a run names."""
+    if run.vehicle_sha256 is not None:
+        yield "vehicle.toml", run.vehicle_sha256
+    for one in run.files:
+        yield f"{one.setting}.csv", one.sha256

@@ -19,6 +19,7 @@ from seamark.server.database.account_tables import AccountDeletion, LinkedIdenti
 from seamark.server.database.class_tables import AssignedRun, Classroom
 from seamark.server.database.competition_tables import (
     Competition,
+    CompetitionFile,
     Entry,
     FinalPlace,
     MethodText,
@@ -32,7 +33,7 @@ from seamark.server.database.queue_tables import Counter
 from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.submission_tables import KeyOfSubmission, SeenSubmission
-from seamark.server.database.tables import RunPart, Worker
+from seamark.server.database.tables import RunFile, RunPart, Worker
 from seamark.server.messaging import workers
 from seamark.server.programs import check_queue
 from seamark.server.settings import Settings
@@ -108,6 +109,7 @@ def _fill(backend: Backend) -> None:
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
         part = {"role": "tracker", "program_sha256": "0" * 64, "program_name": "mine.c"}
         session.add(RunPart(run_id=1, language="c", **part))
+        session.add(RunFile(run_id=1, setting="current_record", sha256="0" * 64))
         session.add(RejudgedRun(run_id=2, rejudgement_id=1))
         session.add(Verification(again_id=2, run_id=1, requested_at=1.0))
         session.add(Counter(name="simulated_s", value=1.0))
@@ -130,6 +132,8 @@ def _fill_competition(backend: Backend) -> None:
     of_team = {"team_id": team, "method": "PI"}
     with backend.database.writing() as session:
         session.add(Entry(method_key="pi", submitted_at=1.0, **numbers, **of_team))
+        file = {"setting": "current_record", "sha256": "0" * 64}
+        session.add(CompetitionFile(competition_id=cup.id, **file))
         session.add(MethodText(team_id=team, method_key="pi", text="A PI."))
         session.add(FinalPlace(trials=1, **numbers, **of_team))
         changed = {"at": 1.0, "before": 2.0, "after": 3.0, "reason": "The service was down."}

@@ -19,6 +19,7 @@ from seamark.server.database.competition_tables import Competition, Entry, Round
 from seamark.server.database.tables import Run
 from seamark.server.judging import boards, check, entries, finals
 from seamark.server.judging.boards import Board
+from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.record.states import RunState
@@ -67,14 +68,20 @@ class Cup:
 
     @classmethod
     def draft(
-        cls, backend: Backend, *, vehicle: StoredVehicle | None = None, **changes: Any
+        cls,
+        backend: Backend,
+        *,
+        vehicle: StoredVehicle | None = None,
+        files: tuple[StoredFile, ...] = (),
+        **changes: Any,
     ) -> "Cup":
-        asked = competitions.prepared(document.read(values(**changes)), vehicle)
+        asked = competitions.prepared(document.read(values(**changes)), vehicle, files)
         with backend.database.writing() as session:
             made = competitions.create(
                 *(session, backend.user_id("olga"), asked),
                 picture=None,
                 vehicle=vehicle,
+                files=files,
                 secret=backend.settings.seed_key.encode(),
             )
         return cls(backend, made)

@@ -1,5 +1,6 @@
 """Competitions at the API: an organiser makes a draft, opens it, moves rounds and hands it over."""
 
+import hashlib
 import io
 import json
 import time
@@ -9,7 +10,8 @@ import pytest
 
 from seamark.server.accounts import audit
 from seamark.server.accounts.audit import AuditFilter
-from tests.cast import VEHICLE
+from seamark.sim.physics.water_motion import records
+from tests.cast import RECORD, VEHICLE
 from tests.server.api.conftest import Site
 from tests.server.judging.cup import DAY_S, NAME, QUALIFICATION, Cup, values
 
@@ -65,6 +67,22 @@ def test_a_draft_comes_with_a_picture_and_a_vehicle(hall: Site) -> None:
     assert made["document"]["settings"]["vehicle"].startswith("mine")
     assert made["vehicle_sha256"]
     assert (picture.data, picture.content_type) == (PNG, "image/png")
+
+
+def test_a_draft_comes_with_a_record_of_currents(hall: Site) -> None:
+    files = {"current_record": (RECORD.encode(), "ria.csv")}
+    made = hall.call("olga", "POST", API, **form(**files)).get_json()
+    name, sha256 = made["document"]["settings"]["current_record"], made["files"]["current_record"]
+    without = hall.call("olga", "PUT", f"{API}/{NAME}", json=values()).get_json()
+    alone = hall.call(
+        "olga", "PUT", f"{API}/{NAME}", json=values(settings={"current_record": name})
+    )
+
+    assert sha256 == hashlib.sha256(RECORD.encode()).hexdigest()
+    assert name == f"record@{sha256[:16]}"
+    assert without["files"] == {}
+    assert alone.status_code == 422  # the web process has forgotten it
+    assert not records.is_known(name)
 
 
 def test_a_document_may_be_a_toml_file(hall: Site) -> None:

@@ -8,6 +8,7 @@ import pytest
 from werkzeug.datastructures import FileStorage, MultiDict
 from werkzeug.test import encode_multipart
 
+from tests.cast import RECORD
 from tests.server.api.conftest import Site
 from tests.server.judging.cup import values
 
@@ -153,6 +154,27 @@ def test_a_vehicle_that_is_none_is_refused(hall: Site) -> None:
 
     assert answer.status_code == 422
     assert answer.get_json()["errors"][0]["field"] == "vehicle"
+
+
+@pytest.mark.parametrize(
+    ("record", "sentence"),
+    [
+        (PNG, "text in UTF-8"),
+        (RECORD.replace(",0.05,", ",nan,").encode(), "five numbers"),
+        (RECORD.encode() + b"#" * 2_000_000, "at most"),
+    ],
+)
+def test_a_record_that_is_none_is_refused(hall: Site, record: bytes, sentence: str) -> None:
+    form = MultiDict[str, Any]({"document": json.dumps(values())})
+    form["current_record"] = FileStorage(io.BytesIO(record), "ria.csv")
+    boundary, body = encode_multipart(form)  # the client leaves the file of a large form open
+    kind = f"multipart/form-data; boundary={boundary}"
+    answer = hall.call("olga", "POST", API, data=body, content_type=kind)
+
+    assert answer.status_code == 422
+    (error,) = answer.get_json()["errors"]
+    assert error["field"] == "current_record"
+    assert sentence in error["detail"]
 
 
 def test_a_form_without_a_document_or_of_another_kind_is_refused(hall: Site) -> None:

@@ -1,5 +1,7 @@
 """The file of a record says exactly what a run gets, and nothing else is taken."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,8 +13,11 @@ from seamark.sim.physics.water_motion.record import (
     FIRST_LINE,
     RecordInvalid,
     read_record,
+    sha256,
     write_record,
 )
+from seamark.sim.registry import benchmark
+from seamark.sim.settings.refusal import ConfigurationInvalid
 
 HEAD = f"{FIRST_LINE}\n# title: A test\ntime_s,height_m,north,east,down\n"
 
@@ -83,3 +88,24 @@ def test_a_users_record_is_known_by_its_digest_alone() -> None:
     assert file is not None
     assert file.text.encode() == content
     assert file.sha256.startswith(name.partition("@")[2])
+
+
+def test_a_lent_record_is_known_to_this_thread_and_only_meanwhile() -> None:
+    content = (HEAD.replace("A test", "Lent") + body()).encode()
+    with ThreadPoolExecutor(1) as other, records.lending(content) as name:
+        assert records.is_known(name)
+        assert records.load(name).title == "Lent"
+        assert records.file_of(name) == (sha256(content), content.decode())
+        assert not other.submit(records.is_known, name).result()
+
+    assert not records.is_known(name)
+    assert records.file_of(name) is None
+    with pytest.raises(LookupError):
+        records.load(name)
+
+
+def test_a_benchmark_takes_a_lent_record_and_refuses_it_afterwards() -> None:
+    with records.lending((HEAD + body()).encode().replace(b"A test", b"Taken")) as name:
+        assert benchmark("currents-v2").read({"current_record": name})
+    with pytest.raises(ConfigurationInvalid, match="current_record"):
+        benchmark("currents-v2").read({"current_record": name})

@@ -1,0 +1,108 @@
+"""Records of currents of users: read in another process, and known here only while lent."""
+
+import io
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
+import pytest
+
+from seamark.server.programs import own_files
+from seamark.server.programs.own_files import FileRejected
+from seamark.server.programs.reader import ProgramReader
+from seamark.sim.physics.water_motion import records
+from seamark.sim.physics.water_motion.record import BYTES_MAX
+from tests.cast import RECORD, Backend
+
+OWN_CPU_S = 0.2  # of the process that has a file read: the pipe, and the start of the next reader
+LENT_CPU_S = 2.0  # 0.4 s where it was measured
+HEAD = "# seamark-current 1\ntime_s,height_m,north,east,down\n"
+
+
+def repeated(line: str) -> str:
+    """Return as many lines as a file may have bytes."""
+    return HEAD + line * ((BYTES_MAX - len(HEAD)) // len(line))
+
+
+def largest() -> str:
+    """Return a record with as many rows as fit."""
+    lines, size, at = [HEAD], len(HEAD), 0
+    while size < BYTES_MAX - 400:
+        lines += [f"{at},{height},.2,0,0\n" for height in range(9)]
+        size, at = size + sum(map(len, lines[-9:])), at + 1
+    return "".join(lines)
+
+
+HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
+    "too large": (lambda: RECORD + "#" * BYTES_MAX, "at most"),
+    "nothing": (lambda: "", "begins with"),
+    "binary": (lambda: bytes(range(256)) * 4000, "text in UTF-8"),
+    "zeros": (lambda: bytes(BYTES_MAX), "begins with"),
+    "not a number": (lambda: RECORD.replace(",0.05,", ",nan,"), "five numbers"),
+    "infinite": (lambda: RECORD.replace(",0.05,", ",inf,"), "five numbers"),
+    "an endless step": (
+        lambda: HEAD + "".join(f"{1.7e307 * at},1,0.2,0,0\n" for at in range(-10, 11)),
+        "equal steps",
+    ),
+    "many notes": (lambda: HEAD[:20] + "# a: b\n" * 200_000, "has the line"),
+    "many commas": (lambda: HEAD + "," * (BYTES_MAX - 100), "five numbers"),
+    "a long number": (lambda: HEAD + "1" * (BYTES_MAX - 100) + ",1,1,1,1\n", "five numbers"),
+    "many equal rows": (lambda: repeated("0,0,0,0,0\n"), "instants"),
+    "many empty rows": (lambda: repeated("\n"), "too many rows"),
+}
+
+
+@pytest.fixture(scope="module")
+def reader() -> Iterator[ProgramReader]:
+    with closing(ProgramReader()) as reader:
+        yield reader
+
+
+def read(reader: ProgramReader, content: str | bytes) -> bytes:
+    content = content.encode() if isinstance(content, str) else content
+    return reader.read_record(io.BytesIO(content), "my.csv", owner="ann")
+
+
+def test_a_record_is_read_without_being_known_here(reader: ProgramReader) -> None:
+    content = read(reader, RECORD)
+
+    assert content == RECORD.encode()
+    assert not records.is_known(records.name_of(content))
+
+
+@pytest.mark.parametrize("attack", HOSTILE)
+def test_a_hostile_record_is_refused_and_costs_this_process_nothing(
+    reader: ProgramReader, attack: str
+) -> None:
+    make, sentence = HOSTILE[attack]
+    content = make()
+    before = time.process_time()
+
+    with pytest.raises(FileRejected, match=sentence) as caught:
+        read(reader, content)
+
+    assert time.process_time() - before < OWN_CPU_S
+    assert caught.value.field == own_files.RECORD
+
+
+@pytest.mark.slow
+def test_the_largest_record_that_is_accepted_is_known_within_a_moment(
+    reader: ProgramReader,
+) -> None:
+    content = read(reader, largest())
+    before = time.process_time()
+    with records.lending(content) as name:
+        assert records.is_known(name)
+
+    assert time.process_time() - before < LENT_CPU_S
+
+
+def test_a_record_that_was_changed_in_the_store_is_not_used(backend: Backend) -> None:
+    record = backend.store_record()
+    run = backend.show(backend.queue(files=(record,), config={own_files.RECORD: record.name}))
+    file = backend.settings.data / "programs" / record.sha256
+    file.write_bytes(record.content.replace(b"A test", b"A tess"))
+
+    with own_files.lent_to(backend.settings, run):
+        assert not records.is_known(record.name)
+    assert own_files.contents_of(run, backend.settings) == {}
