@@ -14,7 +14,6 @@ from seamark.server.competitions.teams import TeamView
 from seamark.server.judging import boards, check, drafts, entries
 from seamark.server.pages.competitions import wording
 from seamark.server.pages.competitions.shown_board import shown_board
-from seamark.server.programs import vehicles
 from seamark.server.web import competition_access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -111,7 +110,7 @@ def shown(
 def scenario_of(competition: CompetitionView) -> Scenario:
     """Return what differs from the benchmark of a competition, and what its scores are."""
     document = competition.document
-    with vehicles.lent(entries.vehicle_of(competition, services().settings)):
+    with entries.lent(competition, services().settings):
         config = document.scenario()
         changes = differences(document.base, document.fixed())
     if config.custom_score():

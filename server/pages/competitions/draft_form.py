@@ -20,7 +20,7 @@ _TEXTS = {
     name: name
     for name in ("name", "title", "rules", "zone", "programs", "ties", "team_size", "methods")
 } | {"question": "asks"}
-_OTHERS = ("rounds", "picture", "document")  # fields beside them that may be wrong
+_OTHERS = ("rounds", "picture", "document", "current_record")  # fields that may be wrong too
 _OF_ROUND = ("opens", "closes", "quota", "trials", "board")
 _OF_FINAL = ("opens", "trials", "batches", "finalists", "carry")
 _WEEK = timedelta(days=7)

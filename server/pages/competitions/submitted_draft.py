@@ -1,9 +1,10 @@
-"""The draft in a posted form: its fields or a TOML file, with the picture and the vehicle."""
+"""The draft in a posted form: its fields or a TOML file, with picture, vehicle and record."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, BinaryIO, NamedTuple, cast
 
-from flask import request
+from flask import g, request
+from werkzeug.datastructures import FileStorage
 
 from seamark.competitions.document import DocumentInvalid
 from seamark.server.competitions.competitions import CompetitionView
@@ -12,20 +13,25 @@ from seamark.server.judging import drafts, entries
 from seamark.server.judging.drafts import Draft
 from seamark.server.pages.competitions import draft_form
 from seamark.server.pages.submission import submitted_vehicle
-from seamark.server.programs import vehicles
+from seamark.server.programs import own_files, vehicles
+from seamark.server.programs.own_files import FileRejected, StoredFile
 from seamark.server.programs.vehicles import StoredVehicle, VehicleRejected
 from seamark.server.runs.submission.quota import QuotaExceeded
 from seamark.server.runs.submission.validation import SubmissionRejected
 from seamark.server.storage.storage import StorageUnavailable
-from seamark.server.web import template_runs
+from seamark.server.web import template_runs, uploads
 from seamark.server.web.services import services
 from seamark.server.web.template_runs import NoTemplate
 from seamark.sim import registry
 from seamark.sim.settings.setting import schema_extras
 from seamark.sim.vehicles.toml_reading import BYTES_MAX, TomlRefused, read_toml
 
-_PATHS = {"picture", vehicles.FIELD}  # in a file for the command line: of files beside it
 DOCUMENT, PICTURE = "document", "picture"  # files of the form
+_FILES = {  # entry with the path of a file beside a TOML file -> field of the form
+    PICTURE: PICTURE,
+    vehicles.FIELD: submitted_vehicle.FILE,
+    own_files.RECORD: own_files.RECORD,
+}
 REFUSALS = (CompetitionRefused, SubmissionRejected, QuotaExceeded, StorageUnavailable)
 
 
@@ -65,10 +71,10 @@ def read(
     if document is not None and document.filename:
         return _of_file(document.stream.read(BYTES_MAX + 1), brought)
     values = draft_form.values_of(posted)
-    benchmark, settings, kept = _task(posted, earlier)
-    values |= {"benchmark": benchmark, "settings": settings}
+    task = _task(posted, earlier)
+    values |= {"benchmark": task.benchmark, "settings": task.settings}
     try:
-        return _draft(values, brought or kept)
+        return _draft(values, brought or task.vehicle, task.files)
     except DocumentInvalid as invalid:
         errors = dict[str, str]()
         for place, text in invalid.errors.items():
@@ -83,59 +89,76 @@ def _of_file(content: bytes, brought: StoredVehicle | None) -> Draft:
     try:
         values = read_toml(content)
         _require_files(values, brought)
-        return _draft({name: values[name] for name in values.keys() - _PATHS}, brought)
+        return _draft({name: values[name] for name in values.keys() - _FILES.keys()}, brought)
     except TomlRefused as refusal:
         raise DocumentInvalid({DOCUMENT: str(refusal)}) from None
     except DocumentInvalid as invalid:
-        files = (PICTURE, submitted_vehicle.FILE)
+        files = _FILES.values()
         errors = {name: invalid.errors[name] for name in files if name in invalid.errors}
         others = [f"{at}: {text}" for at, text in invalid.errors.items() if at not in files]
         raise DocumentInvalid(errors | ({DOCUMENT: " ".join(others)} if others else {})) from None
 
 
 def _require_files(values: Mapping[str, Any], brought: StoredVehicle | None) -> None:
-    """Refuse a file that names a picture or a vehicle beside it which the form does not have."""
-    picture = request.files.get(PICTURE)
-    there = {PICTURE: picture is not None and bool(picture.filename), vehicles.FIELD: bool(brought)}
-    fields = {PICTURE: PICTURE, vehicles.FIELD: submitted_vehicle.FILE}
+    """Refuse a file that names others beside it which the form does not have."""
+    there = {name: _sent(field) is not None for name, field in _FILES.items()}
+    there[vehicles.FIELD] = brought is not None
     missing = [name for name in there if values.get(name) and not there[name]]
     if missing:
         raise DocumentInvalid(
             {
-                fields[name]: f"The TOML file names {values[name]}: choose it here."
+                _FILES[name]: f"The TOML file names {values[name]}: choose it here."
                 for name in missing
             }
         )
 
 
-def _draft(values: Mapping[str, Any], own: StoredVehicle | None) -> Draft:
-    file = request.files.get(PICTURE)
-    picture = None
-    if file is not None and file.filename:
-        picture = file.stream.read(drafts.PICTURE_MAX_BYTES + 1)
+def _draft(
+    values: Mapping[str, Any], own: StoredVehicle | None, kept: tuple[StoredFile, ...] = ()
+) -> Draft:
+    file, record = _sent(PICTURE), _sent(own_files.RECORD)
+    picture = None if file is None else file.stream.read(drafts.PICTURE_MAX_BYTES + 1)
     try:
-        return drafts.read(values, services().settings, vehicle=own, picture=picture)
+        if record is not None:
+            stream, name = cast(BinaryIO, record.stream), record.filename or ""
+            kept = (uploads.store_record(stream, name, viewer=g.viewer),)
+        return drafts.read(values, services().settings, vehicle=own, picture=picture, files=kept)
     except VehicleRejected as rejected:
         raise DocumentInvalid({submitted_vehicle.FILE: rejected.shortened}) from None
+    except FileRejected as rejected:
+        raise DocumentInvalid({rejected.field: str(rejected)}) from None
 
 
-def _task(
-    posted: Mapping[str, str], earlier: CompetitionView | None
-) -> tuple[str, dict[str, Any], StoredVehicle | None]:
-    """Return benchmark, settings and own vehicle of the source that was chosen."""
+def _sent(field: str) -> FileStorage | None:
+    """Return a file of the form; None if none was chosen."""
+    file = request.files.get(field)
+    return file if file is not None and file.filename else None
+
+
+class _Task(NamedTuple):
+    benchmark: str
+    settings: dict[str, Any]
+    vehicle: StoredVehicle | None = None
+    files: tuple[StoredFile, ...] = ()
+
+
+def _task(posted: Mapping[str, str], earlier: CompetitionView | None) -> _Task:
+    """Return benchmark, settings and own files of the source that was chosen."""
     source, settings = posted.get("source", ""), services().settings
     if source == "kept" and earlier is not None:
         document = earlier.document
-        return document.benchmark, document.settings, entries.vehicle_of(earlier, settings)
+        files = entries.files_of(earlier, settings)
+        vehicle = entries.vehicle_of(earlier, settings)
+        return _Task(document.benchmark, document.settings, vehicle, files)
     if source != "run":
-        return posted.get("benchmark", ""), {}, None
+        return _Task(posted.get("benchmark", ""), {})
     try:
         run = template_runs.chosen(posted.get("run", ""))
-        its_own = vehicles.of_run(run, settings)
+        vehicle, files = vehicles.of_run(run, settings), own_files.of_run(run, settings)
     except NoTemplate as refusal:
         raise DocumentInvalid({"run": str(refusal)}) from None
     except FileNotFoundError:
-        raise DocumentInvalid({"run": "The vehicle of this run has been deleted."}) from None
+        raise DocumentInvalid({"run": "The files of this run have been deleted."}) from None
     # All of them: what a run leaves at its default may have another one beside chosen presets.
     fields = registry.benchmark(run.benchmark).configuration.model_fields
     fixed = {
@@ -143,4 +166,4 @@ def _task(
         for name, value in run.config.items()
         if name in fields and schema_extras(fields[name])["x-role"] == "scenario"
     }
-    return run.benchmark, fixed, its_own
+    return _Task(run.benchmark, fixed, vehicle, files)

@@ -15,7 +15,7 @@ from seamark.sim.physics.water_motion.record import BYTES_MAX
 from tests.cast import RECORD, Backend
 
 OWN_CPU_S = 0.2  # of the process that has a file read: the pipe, and the start of the next reader
-LENT_CPU_S = 2.0  # 0.4 s where it was measured
+LENT_CPU_S = 2.0  # 0.23 s where it was measured
 HEAD = "# seamark-current 1\ntime_s,height_m,north,east,down\n"
 
 

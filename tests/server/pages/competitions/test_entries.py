@@ -173,9 +173,9 @@ def test_an_entry_run_again_when_no_round_is_open_is_a_practice_run(site: Site, 
     assert 'name="competition"' not in page
 
 
-def test_all_teams_have_the_vehicle_that_the_organiser_brought(site: Site) -> None:
-    vehicle = site.store_vehicle()
-    Cup.opened(site, vehicle=vehicle).team("ann")
+def test_all_teams_have_the_files_that_the_organiser_brought(site: Site) -> None:
+    vehicle, record = site.store_vehicle(), site.store_record()
+    Cup.opened(site, vehicle=vehicle, files=(record,)).team("ann")
 
     shown = site.browser("ann").get(f"/competitions/{NAME}").text
     form = site.browser("ann").get(FORM).text
@@ -183,5 +183,7 @@ def test_all_teams_have_the_vehicle_that_the_organiser_brought(site: Site) -> No
 
     run = site.show(int(answer.headers["Location"].rpartition("/")[2]))
     assert (run.config["vehicle"], run.vehicle_sha256) == (vehicle.name, vehicle.sha256)
+    assert run.config["current_record"] == record.name
+    assert [one.sha256 for one in run.files] == [record.sha256]
     assert f"<dd>{vehicle.name}</dd>" in shown
     assert f"vehicle {vehicle.name}" in form

@@ -13,7 +13,7 @@ import pytest
 from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import CompetitionView
 from seamark.server.pages.competitions import draft_form
-from tests.cast import VEHICLE
+from tests.cast import RECORD, VEHICLE
 from tests.server.judging.cup import NAME, Cup
 from tests.server.pages.conftest import Site
 
@@ -95,6 +95,7 @@ def test_the_form_begins_with_practice_qualification_and_final(site: Site) -> No
         ({"source": "run", "run": "77"}, "run", "Choose one of your runs."),
         ({"picture": file(b"GIF89a", "a.gif")}, "picture", "must be a PNG or JPEG file"),
         ({"vehicle_file": file(b"x = 1", "v.toml")}, "vehicle_file", ""),
+        ({"current_record": file(b"x,y", "r.csv")}, "current_record", "begins with"),
         ({"document": file(b"title = ", "c.toml")}, "document", "not valid TOML"),
         ({"document": file(b'title = "T"\n', "c.toml")}, "document", "name: Field required."),
     ],
@@ -186,6 +187,7 @@ title = "River Cup"
 benchmark = "currents-v1"
 picture = "river.png"
 vehicle = "my_rov.toml"
+current_record = "ria.csv"
 [[rounds]]
 kind = "qualification"
 trials = 3
@@ -200,19 +202,22 @@ closes = "{at(2)}"
         "document": file(toml.encode(), "c.toml"),
         "picture": file(PNG, "p.png"),
         "vehicle_file": file(VEHICLE.encode(), "v.toml"),
+        "current_record": file(RECORD.encode(), "r.csv"),
     }
     olga.post("/competitions/new", form(**files), **multipart)
 
     assert "The TOML file names river.png: choose it here." in refused
     assert "The TOML file names my_rov.toml: choose it here." in refused
+    assert "The TOML file names ria.csv: choose it here." in refused
     made = found(site, "river-cup-v1")
     assert made is not None
     assert made.has_picture
     assert made.vehicle_sha256 is not None
+    assert set(made.files) == {"current_record"}
 
 
-def test_a_draft_keeps_the_vehicle_of_its_organiser(site: Site) -> None:
-    cup = Cup.draft(site, vehicle=site.store_vehicle())
+def test_a_draft_keeps_the_files_of_its_organiser(site: Site) -> None:
+    cup = Cup.draft(site, vehicle=site.store_vehicle(), files=(site.store_record(),))
     cup.check()
     before, fields = cup.view, draft_form.of_document(cup.asked)
 
@@ -220,6 +225,8 @@ def test_a_draft_keeps_the_vehicle_of_its_organiser(site: Site) -> None:
 
     assert cup.view.document.title == "Cup of harbours"
     assert cup.view.vehicle_sha256 == before.vehicle_sha256 is not None
+    assert set(cup.view.files) == {"current_record"}
+    assert cup.view.files == before.files
     assert cup.view.document.settings == before.document.settings
 
 
