@@ -58,8 +58,8 @@ def init(*, file: Path, as_json: bool) -> None:
 def create(*, file: Path, replace: bool, server: str, token: str | None, as_json: bool) -> None:
     """Make a draft of the competition in FILE (TOML or JSON), which nobody else sees.
 
-    The reference entries of the benchmark check it at once. `picture` and `vehicle` in FILE are
-    paths of files beside it, which are sent with it.
+    The reference entries of the benchmark check it at once. `picture`, `vehicle` and
+    `current_record` in FILE are paths of files beside it, which are sent with it.
 
     \b
     Examples:
@@ -88,6 +88,7 @@ def _write(client: Client, written: OrganisersFile, *, replace: bool) -> dict[st
             written.values,
             picture=files.get("picture"),
             vehicle=files.get("vehicle"),
+            current_record=files.get("current_record"),
             replace=replace,
         )
     except OSError as error:
@@ -134,9 +135,8 @@ def _checked_file(file: Path) -> dict[str, Any]:
     values, files = competition_files.read(file)
     try:
         asked = document.read(values)
-        settings = dict(asked.settings)
-        if "vehicle" in files:
-            settings = with_files(settings | {"vehicle": str(files["vehicle"])})
+        named = {name: str(file) for name, file in files.items() if name != "picture"}
+        settings = with_files({**asked.settings, **named})
         asked.model_copy(update={"settings": settings}).scenario()
     except DocumentInvalid as invalid:
         found = [f"{at}: {sentence}" for at, sentence in invalid.errors.items()]

@@ -15,7 +15,7 @@ from seamark.competitions import document
 from seamark.competitions.document import CompetitionDocument, Final, Round
 from seamark.server.accounts import accounts
 from seamark.server.competitions import teams
-from tests.cast import VEHICLE, Backend
+from tests.cast import RECORD, VEHICLE, Backend
 from tests.server.judging.cup import DAY_S, NAME, QUALIFICATION, Cup, values
 
 PNG = b"\x89PNG\r\n\x1a\nrest"
@@ -53,12 +53,14 @@ def answer(*words: object, token: str = "") -> Any:
 
 
 def write(folder: Path, **changes: Any) -> Path:
-    """Write a competition with a picture and a vehicle beside it."""
+    """Write a competition with a picture, a vehicle and a record of currents beside it."""
     (folder / "cup.png").write_bytes(PNG)
     (folder / "mine.toml").write_text(VEHICLE)
+    (folder / "ria.csv").write_text(RECORD)
     file = folder / "cup.json"
     rounds = values()["rounds"][1:]
     own = {"rounds": rounds, "picture": "cup.png", "vehicle": "mine.toml"}
+    own["current_record"] = "ria.csv"
     file.write_text(json.dumps(values(**(own | changes))))
     return file
 
@@ -91,7 +93,7 @@ def test_what_the_starter_comments_out_is_the_default(folder: Path) -> None:
     plain = competition_files.read(Path("cup.toml")).values
     lines = (folder / "cup.toml").read_text().splitlines()
     shown = [line.removeprefix("# ") if " = " in line else line for line in lines]
-    others = ("picture", "vehicle", "score")
+    others = ("picture", "vehicle", "current_record", "score")
     Path("all.toml").write_text("\n".join(line for line in shown if not line.startswith(others)))
     everything = competition_files.read(Path("all.toml")).values
 
@@ -111,6 +113,7 @@ def test_a_competition_is_organised_from_the_command_line(
     cup = Cup.named(backend)
     assert cup.view.has_picture
     assert cup.asked.settings["vehicle"].startswith("mine")
+    assert cup.asked.settings["current_record"].startswith("record@")
 
     taken = run("competition", "create", file, token=olga)
     assert (taken.exit_code, f"There is a competition {NAME}." in taken.stderr) == (2, True)
@@ -245,7 +248,11 @@ def test_what_is_wrong_with_a_document_is_said_place_by_place(folder: Path) -> N
     wrong.with_name("wrong.json").write_text(json.dumps(values(title="")))
     title = run("competition", "check", "wrong.json")
     solution = run("competition", "check", settings.name)
+    write(folder)
+    (folder / "ria.csv").write_text("time,u,v")
+    record = run("competition", "check", settings.name)
 
     assert (title.exit_code, solution.exit_code) == (1, 1)
     assert "problem title: " in title.stdout
+    assert "ria.csv: A record begins with" in record.stderr
     assert "problem settings.kp: kp is chosen by those who take part." in solution.stdout

@@ -12,7 +12,7 @@ import pytest
 from seamark.client import AsyncClient, Client, RequestInvalid
 from seamark.server.accounts import accounts
 from seamark.server.competitions import teams
-from tests.cast import VEHICLE, Backend
+from tests.cast import RECORD, VEHICLE, Backend
 from tests.server.judging.cup import DAY_S, NAME, QUALIFICATION, Cup, values
 
 Do = Callable[..., Any]
@@ -51,9 +51,12 @@ def test_an_organiser_makes_changes_and_opens_a_draft(
 ) -> None:
     vehicle = tmp_path / "mine.toml"
     vehicle.write_text(VEHICLE)
+    record = tmp_path / "ria.csv"
+    record.write_text(RECORD)
     now = datetime.now(UTC).replace(microsecond=0)
     one = {"kind": "qualification", "opens": now, "closes": now + timedelta(days=1), "trials": 3}
-    made = do("olga", "create_competition", values(rounds=[one]), vehicle=vehicle)
+    files = {"vehicle": vehicle, "current_record": record}
+    made = do("olga", "create_competition", values(rounds=[one]), **files)
     changed = do("olga", "create_competition", values(rounds=[one], title="Reef"), replace=True)
     cup = Cup.named(backend)
     for at, run_id in enumerate(cup.live()):
@@ -64,6 +67,7 @@ def test_an_organiser_makes_changes_and_opens_a_draft(
     moved = do("olga", "move_round", NAME, 1, until=until, reason="Rain.")
 
     assert made["vehicle_sha256"] is not None
+    assert set(made["files"]) == {"current_record"}
     assert changed["title"] == "Reef"
     assert check["ended"]
     assert (opened["state"], moved["rounds"][0]["closes_at"]) == ("open", until)
