@@ -136,7 +136,7 @@ def _checked_file(file: Path) -> dict[str, Any]:
     try:
         asked = document.read(values)
         named = {name: str(file) for name, file in files.items() if name != "picture"}
-        settings = with_files({**asked.settings, **named})
+        settings = {**asked.settings, **with_files(named)}
         asked.model_copy(update={"settings": settings}).scenario()
     except DocumentInvalid as invalid:
         found = [f"{at}: {sentence}" for at, sentence in invalid.errors.items()]
