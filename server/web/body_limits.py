@@ -54,8 +54,8 @@ def body_max(settings: Settings, content_type: str) -> int:
 
 
 def _files_max(settings: Settings, programs: int) -> int:
-    """Return the size [byte] of so many of the largest programs with the largest other files."""
-    return programs * settings.upload_max_bytes + VEHICLE_MAX_BYTES + RECORD_MAX_BYTES
+    """Return the size [byte] of so many of the largest programs, or a record, with a vehicle."""
+    return max(programs * settings.upload_max_bytes, RECORD_MAX_BYTES) + VEHICLE_MAX_BYTES
 
 
 def _programs_max() -> int:

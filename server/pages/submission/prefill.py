@@ -174,12 +174,12 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
 
 
 def _without_files(shown: Prefill, run: RunView) -> Prefill:
-    """Return the form without files of the run that no form sends, and with a note about them."""
+    """Return the form without files that it cannot send, and with a note about them."""
     settings = {one.setting for one in run.files}
     if not settings:
         return shown
     values = {name: value for name, value in shown.values.items() if name not in settings}
-    note = f"{shown.note} It does not have its record of currents: run it again instead."
+    note = f"{shown.note} It does not have its record of currents, which this form cannot send."
     return replace(shown, values=values, note=note)
 
 

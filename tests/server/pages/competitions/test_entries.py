@@ -187,3 +187,15 @@ def test_all_teams_have_the_files_that_the_organiser_brought(site: Site) -> None
     assert [one.sha256 for one in run.files] == [record.sha256]
     assert f"<dd>{vehicle.name}</dd>" in shown
     assert f"vehicle {vehicle.name}" in form
+
+
+def test_the_form_of_an_entry_says_that_it_has_no_record_of_currents(site: Site) -> None:
+    cup = Cup.opened(site, files=(site.store_record(),))
+    cup.team("ann")
+    run_id = cup.submit("ann")
+
+    page = site.browser("ann").get(f"/submit/currents-v1?from={run_id}")
+
+    assert page.status_code == 200
+    assert "It does not have its record of currents" in page.text
+    assert "record@" not in page.text
