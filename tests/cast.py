@@ -19,7 +19,7 @@ from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
-from seamark.server.programs import own_files, store, vehicles
+from seamark.server.programs import check_queue, own_files, store, vehicles
 from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
@@ -108,6 +108,15 @@ class Backend:
     def store_record(self, text: str = RECORD) -> StoredFile:
         """Store the file of a record of currents as an upload of it is stored."""
         return own_files.save_record(text.encode(), self.settings)
+
+    def unused_deleted(self) -> int:
+        """Delete uploads that nothing refers to, however new they are; return how many."""
+        with self.database.reading() as session:
+            return store.delete_unused(
+                self.settings,
+                used=lambda sha256: check_queue.refers_to(session, sha256),
+                older_than_s=-60.0,
+            )
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""

@@ -81,7 +81,7 @@ def _without_competition(benchmark: Benchmark, run: RunView | None) -> Prefill:
     if assignment is not None and assignment.benchmark == benchmark.name:
         return _for_assignment(benchmark, assignment, run)
     if run is not None:
-        return _from_run(benchmark, run)
+        return _without_files(_from_run(benchmark, run), run)
     point = benchmark.starting_points.get(request.args.get("preset", ""))
     controller = point.built_in if point is not None else request.args.get("controller", "")
     known = controller in benchmark.built_in
@@ -164,7 +164,7 @@ def _requested_run(benchmark: Benchmark) -> RunView | None:
 def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
     """Return the form of a run: the same program, configuration, kind and seed."""
     vehicle, why_not = _vehicle(run)
-    shown = _without_files(_with_parts(_with_program(benchmark, run), run), run)
+    shown = _with_parts(_with_program(benchmark, run), run)
     if not why_not:
         return replace(shown, vehicle=vehicle)
     values = {name: value for name, value in shown.values.items() if name != vehicles.FIELD}

@@ -6,7 +6,7 @@ from sqlalchemy import select
 from seamark.competitions.document import DocumentInvalid
 from seamark.server.database.tables import Run
 from seamark.server.judging import drafts, entries
-from seamark.server.programs import check_queue, own_files, store
+from seamark.server.programs import own_files, store
 from seamark.server.programs.own_files import StoredFile
 from seamark.server.runs.data import retention, run_size
 from seamark.server.runs.ending import deletion
@@ -34,16 +34,6 @@ def cup(backend: Backend, record: StoredFile) -> Cup:
 def files_of(backend: Backend, run_id: int) -> dict[str, str]:
     with backend.database.reading() as session:
         return {one.setting: one.sha256 for one in session.get_one(Run, run_id).files}
-
-
-def unused_deleted(backend: Backend) -> int:
-    """Delete what nothing refers to, however new it is; return how many."""
-    with backend.database.reading() as session:
-        return store.delete_unused(
-            backend.settings,
-            used=lambda sha256: check_queue.refers_to(session, sha256),
-            older_than_s=-60.0,
-        )
 
 
 def next_claim(cup: Cup, run_id: int) -> Claim:
@@ -121,17 +111,17 @@ def test_the_record_stays_while_the_competition_is_there(cup: Cup, record: Store
         runs = list(session.scalars(select(Run.id)))
     retention.delete(cup.backend.database, cup.backend.settings, runs)
 
-    assert unused_deleted(cup.backend) == 0
+    assert cup.backend.unused_deleted() == 0
     assert store.read(cup.backend.settings, record.sha256) == record.content
 
 
 def test_the_record_goes_with_a_deleted_draft(backend: Backend, record: StoredFile) -> None:
     cup = Cup.draft(backend, files=(record,))
-    assert unused_deleted(backend) == 0
+    assert backend.unused_deleted() == 0
     with backend.database.writing() as session:
         drafts.remove(session, cup.view)
 
-    assert unused_deleted(backend) == 1
+    assert backend.unused_deleted() == 1
 
 
 def test_a_run_again_has_the_record_until_it_is_deleted(cup: Cup, record: StoredFile) -> None:
@@ -150,11 +140,11 @@ def test_the_record_stays_for_a_run_that_has_its_data(backend: Backend, record: 
     config: dict[str, object] = {SETTING: record.name}
     run_id = backend.queue(files=(record,), config=config)
     assert backend.finish(backend.claim_next())
-    assert unused_deleted(backend) == 0
+    assert backend.unused_deleted() == 0
 
     deletion.delete(backend.database, backend.settings, [run_id])
 
-    assert unused_deleted(backend) == 1
+    assert backend.unused_deleted() == 1
 
 
 def test_the_space_of_a_record_counts_for_its_run(backend: Backend, record: StoredFile) -> None:

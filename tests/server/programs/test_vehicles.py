@@ -36,25 +36,15 @@ def is_stored(backend: Backend) -> bool:
     return store.size(backend.settings, SHA256) > 0
 
 
-def unused_deleted(backend: Backend) -> int:
-    """Delete what nothing refers to, however new it is; return how many."""
-    with backend.database.reading() as session:
-        return store.delete_unused(
-            backend.settings,
-            used=lambda sha256: check_queue.refers_to(session, sha256),
-            older_than_s=-60.0,
-        )
-
-
 def test_a_vehicle_is_stored_as_long_as_a_run_has_its_data(backend: Backend) -> None:
     run_id = backend.queue_vehicle()
-    assert unused_deleted(backend) == 0
+    assert backend.unused_deleted() == 0
     assert backend.finish(backend.claim_next())
-    assert (unused_deleted(backend), is_stored(backend)) == (0, True)
+    assert (backend.unused_deleted(), is_stored(backend)) == (0, True)
 
     retention.delete(backend.database, backend.settings, [run_id])
 
-    assert (unused_deleted(backend), is_stored(backend)) == (1, False)
+    assert (backend.unused_deleted(), is_stored(backend)) == (1, False)
     assert backend.show(run_id).config["vehicle"] == NAME
 
 
@@ -64,7 +54,7 @@ def test_a_vehicle_goes_with_the_run_that_is_deleted(backend: Backend) -> None:
 
     deletion.delete(backend.database, backend.settings, [run_id])
 
-    assert unused_deleted(backend) == 1
+    assert backend.unused_deleted() == 1
 
 
 def test_a_vehicle_of_a_check_is_kept(backend: Backend) -> None:
@@ -74,14 +64,14 @@ def test_a_vehicle_of_a_check_is_kept(backend: Backend) -> None:
         user_id = backend.user_id("ann")
         check_queue.enqueue(session, user_id, "currents-v2", config, program, vehicle)
 
-    assert (unused_deleted(backend), is_stored(backend)) == (0, True)
+    assert (backend.unused_deleted(), is_stored(backend)) == (0, True)
 
 
 def test_a_run_whose_vehicle_was_deleted_is_not_run_again(backend: Backend) -> None:
     run_id = backend.queue_vehicle()
     assert backend.finish(backend.claim_next())
     retention.delete(backend.database, backend.settings, [run_id])
-    unused_deleted(backend)
+    backend.unused_deleted()
 
     with pytest.raises(SubmissionRejected, match="The vehicle of this run has been deleted"):
         backend.rerun(run_id)

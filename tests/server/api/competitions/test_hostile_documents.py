@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from werkzeug.datastructures import FileStorage, MultiDict
-from werkzeug.test import encode_multipart
+from werkzeug.test import TestResponse, encode_multipart
 
 from tests.cast import RECORD
 from tests.server.api.conftest import Site
@@ -125,6 +125,14 @@ def test_a_hostile_toml_file_is_refused(hall: Site, content: bytes, status: int)
     assert hall.call("olga", "POST", API, data=data).status_code == status
 
 
+def sent_with(hall: Site, **files: FileStorage) -> TestResponse:
+    """Send a valid document with files that are not."""
+    form = MultiDict[str, Any]({"document": json.dumps(values()), **files})
+    boundary, body = encode_multipart(form)  # the client leaves the file of a large form open
+    kind = f"multipart/form-data; boundary={boundary}"
+    return hall.call("olga", "POST", API, data=body, content_type=kind)
+
+
 @pytest.mark.parametrize(
     ("picture", "sentence"),
     [
@@ -136,11 +144,7 @@ def test_a_hostile_toml_file_is_refused(hall: Site, content: bytes, status: int)
     ],
 )
 def test_a_picture_that_is_none_is_refused(hall: Site, picture: bytes, sentence: str) -> None:
-    form = MultiDict[str, Any]({"document": json.dumps(values())})
-    form["picture"] = FileStorage(io.BytesIO(picture), "cup.png")
-    boundary, body = encode_multipart(form)  # the client leaves the file of a large form open
-    kind = f"multipart/form-data; boundary={boundary}"
-    answer = hall.call("olga", "POST", API, data=body, content_type=kind)
+    answer = sent_with(hall, picture=FileStorage(io.BytesIO(picture), "cup.png"))
 
     assert answer.status_code == 422
     (error,) = answer.get_json()["errors"]
@@ -165,11 +169,7 @@ def test_a_vehicle_that_is_none_is_refused(hall: Site) -> None:
     ],
 )
 def test_a_record_that_is_none_is_refused(hall: Site, record: bytes, sentence: str) -> None:
-    form = MultiDict[str, Any]({"document": json.dumps(values())})
-    form["current_record"] = FileStorage(io.BytesIO(record), "ria.csv")
-    boundary, body = encode_multipart(form)  # the client leaves the file of a large form open
-    kind = f"multipart/form-data; boundary={boundary}"
-    answer = hall.call("olga", "POST", API, data=body, content_type=kind)
+    answer = sent_with(hall, current_record=FileStorage(io.BytesIO(record), "ria.csv"))
 
     assert answer.status_code == 422
     (error,) = answer.get_json()["errors"]

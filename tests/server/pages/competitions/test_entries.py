@@ -189,13 +189,17 @@ def test_all_teams_have_the_files_that_the_organiser_brought(site: Site) -> None
     assert f"vehicle {vehicle.name}" in form
 
 
-def test_the_form_of_an_entry_says_that_it_has_no_record_of_currents(site: Site) -> None:
+def test_an_entry_run_again_has_the_record_only_while_a_round_is_open(site: Site) -> None:
     cup = Cup.opened(site, files=(site.store_record(),))
     cup.team("ann")
-    run_id = cup.submit("ann")
+    address = f"/submit/currents-v1?from={cup.submit('ann')}"
+    lacks = "It does not have its record of currents"
 
-    page = site.browser("ann").get(f"/submit/currents-v1?from={run_id}")
+    entry = site.browser("ann").get(address).text
+    cup.close_qualification()
+    practice = site.browser("ann").get(address).text
 
-    assert page.status_code == 200
-    assert "It does not have its record of currents" in page.text
-    assert "record@" not in page.text
+    assert "record@" in entry
+    assert lacks not in entry
+    assert "record@" not in practice
+    assert lacks in practice

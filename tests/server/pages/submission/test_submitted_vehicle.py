@@ -11,7 +11,7 @@ from seamark.server.runs.submission.validation import RANKED_VEHICLE
 from tests.cast import VEHICLE
 from tests.server.classes.class_cast import assign, classroom
 from tests.server.pages.conftest import Site
-from tests.server.programs.test_vehicles import NAME, SHA256, unused_deleted
+from tests.server.programs.test_vehicles import NAME, SHA256
 
 pytestmark = pytest.mark.slow
 
@@ -144,7 +144,7 @@ def test_the_form_of_a_run_whose_vehicle_was_deleted_says_so(site: Site) -> None
     run_id = run_of(sent(site))
     assert site.finish(site.claim_next())
     retention.delete(site.database, site.settings, [run_id])
-    unused_deleted(site)
+    site.unused_deleted()
 
     page = site.browser("ann").get(f"{FORM}?from={run_id}").text
 
