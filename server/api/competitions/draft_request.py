@@ -20,6 +20,7 @@ from seamark.server.web.services import services
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 DOCUMENT, PICTURE = "document", "picture"  # parts of the form
+_FILES = (PICTURE, vehicles.FIELD, own_files.RECORD)
 _TOML = (".toml", "application/toml")
 
 
@@ -85,7 +86,7 @@ def _without_paths(values: dict[str, Any]) -> dict[str, Any]:
     DocumentInvalid
         It names a file that is not.
     """
-    named = {name: values[name] for name in (PICTURE, vehicles.FIELD) if name in values}
+    named = {name: values[name] for name in _FILES if name in values}
     missing = {name: path for name, path in named.items() if name not in request.files}
     if missing:
         raise DocumentInvalid(

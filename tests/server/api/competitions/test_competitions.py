@@ -100,11 +100,12 @@ def test_a_document_may_name_the_files_that_are_sent_with_it(hall: Site) -> None
     both["picture"] = (io.BytesIO(PNG), "cup.png")
     refused = hall.call("olga", "POST", API, data=alone)
     made = hall.call("olga", "POST", API, data=both)
-    body = hall.call("olga", "PUT", f"{API}/{NAME}", json=values(vehicle="mine.toml"))
+    names = {"vehicle": "mine.toml", "current_record": "ria.csv"}
+    body = hall.call("olga", "PUT", f"{API}/{NAME}", json=values(**names))
 
     assert [each["field"] for each in refused.get_json()["errors"]] == ["picture"]
     assert "picture" in made.get_json()["links"]
-    assert [each["field"] for each in body.get_json()["errors"]] == ["vehicle"]
+    assert [each["field"] for each in body.get_json()["errors"]] == [*names]
 
 
 def test_what_is_wrong_with_a_document_is_told_place_by_place(hall: Site) -> None:
