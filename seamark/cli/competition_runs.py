@@ -51,7 +51,7 @@ def _recomputed(audit: Audit, entry: Entry, *, quiet: bool) -> Finding:
     name = f"Run {entry.run} ({entry.method}, round {entry.round})"
     try:
         outcome = _outcome(audit, entry, title=name, quiet=quiet)
-    except ConfigurationInvalid as reason:  # also one with a vehicle that is not here
+    except ConfigurationInvalid as reason:  # also one with a file that is not here
         return Finding(
             Level.WARNING, f"{name} cannot be computed again here: {str(reason).rstrip('.')}."
         )

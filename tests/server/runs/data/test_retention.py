@@ -173,8 +173,13 @@ def test_files_without_a_run_are_removed_when_they_are_old(backend: Backend) -> 
 
 
 def test_what_nobody_measured_is_measured(both: Backend) -> None:
-    program = both.store_program()
-    cancelled = both.running(controller="upload", program=program).run_id
+    program, record = both.store_program(), both.store_record()
+    uploads: dict[str, Any] = {
+        "program": program,
+        "files": (record,),
+        "config": {"current_record": record.name},
+    }
+    cancelled = both.running(controller="upload", **uploads).run_id
     files = _record(both, cancelled)
     both.cancel(cancelled)  # and its worker died
     assert both.show(cancelled).data_bytes > 2**20
@@ -184,7 +189,7 @@ def test_what_nobody_measured_is_measured(both: Backend) -> None:
     _age(both, cancelled, 0.1)
     _sweep(both)
 
-    assert both.show(cancelled).data_bytes == files.size() + program.size
+    assert both.show(cancelled).data_bytes == files.size() + program.size + len(record.content)
 
 
 def test_nothing_is_concluded_from_a_data_folder_that_is_away(

@@ -1,10 +1,12 @@
 """What is left of somebody who deletes the account."""
 
+from typing import Any
+
 import pytest
 from sqlalchemy import select
 
 from seamark.server.accounts import accounts
-from seamark.server.database.tables import Best, BestMethod, Run, User
+from seamark.server.database.tables import Best, BestMethod, Run, RunFile, User
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.leaderboard import best_runs, leaderboard, score_counts
 from seamark.server.runs.leaderboard.per import Per
@@ -36,7 +38,10 @@ def test_published_runs_stay_without_the_name_if_the_owner_wants_it(backend: Bac
 
 
 def test_otherwise_nothing_of_the_account_is_left(both: Backend) -> None:
-    runs = [both.published("ann", kind="ranked"), both.succeeded("ann"), both.queue("ann")]
+    record = both.store_record()
+    in_record: dict[str, Any] = {"files": (record,), "config": {"current_record": record.name}}
+    runs = [both.published("ann", kind="ranked"), both.succeeded("ann", **in_record)]
+    runs.append(both.queue("ann"))
     both.queue("ben")
 
     delete_account(both, "ann", keep=False)
@@ -45,11 +50,14 @@ def test_otherwise_nothing_of_the_account_is_left(both: Backend) -> None:
         assert session.scalars(select(Run.id).where(Run.id.in_(runs))).all() == []
         assert session.scalars(select(Best)).all() == []
         assert session.scalars(select(BestMethod)).all() == []
+        assert session.scalars(select(RunFile)).all() == []
         assert session.get(User, both.user_id("ann")) is None
 
 
 def test_the_number_of_a_deleted_run_is_not_given_to_another_one(backend: Backend) -> None:
-    newest = backend.succeeded("ann", title="mine")
+    record = backend.store_record()
+    config: dict[str, object] = {"current_record": record.name}
+    newest = backend.succeeded("ann", title="mine", files=(record,), config=config)
 
     delete_account(backend, "ann", keep=False)
 
@@ -57,6 +65,7 @@ def test_the_number_of_a_deleted_run_is_not_given_to_another_one(backend: Backen
     with backend.database.reading() as session:
         left = session.get_one(Run, newest)
         assert (left.owner, left.user_id, left.title, left.public) == ("deleted", None, "", False)
+        assert left.files == []
         assert views.show(session, newest) is None
 
 
