@@ -10,6 +10,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.requests.operation_ids import operation_id
 from seamark.server.api.requests.schemas import RunPath, SceneQuery, TextureQuery
+from seamark.server.programs import store
 from seamark.server.runs.showing import scene as scenes
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web import access, caching
@@ -62,4 +63,7 @@ def _view(path: RunPath, query: SceneQuery) -> RunView:
         raise Problem("not-found", f"Run {view.id} has no such trial or level.")
     if scenes.is_held_back(services().settings, view, query.trial):
         raise Problem("not-found", f"Trial {query.trial} of run {view.id} is not shown yet.")
+    # What is drawn for a level also depends on a record of currents.
+    if not all(store.size(services().settings, one.sha256) for one in view.files):
+        raise Problem("not-found", f"The record of currents of run {view.id} has been deleted.")
     return view

@@ -9,6 +9,7 @@ import pytest
 from seamark.server.runs.data.files import RunFiles
 from seamark.sim import registry
 from seamark.sim.engine.trial import run_trial
+from seamark.sim.physics.water_motion import records
 from seamark.sim.recording.telemetry import INDEX, ROUTE_INDEX, Rows
 from tests.server.api.conftest import Site
 from tests.server.api.test_api import problem_of
@@ -163,3 +164,19 @@ def test_a_run_without_a_sonar_has_no_fan(site: Site, rows: Rows) -> None:
 
     problem_of(answer, 404, "not-found")
     assert "no imaging sonar" in answer.get_json()["detail"]
+
+
+def test_the_scene_of_a_run_in_a_users_record_needs_the_record(site: Site) -> None:
+    record = site.store_record()
+    config: dict[str, Any] = {**LEVELS, "current_record": record.name}
+    sent: dict[str, Any] = {"benchmark": "track-v1", "controller": "ilos", "config": config}
+    sent["files"] = (record,)
+    scene = f"/api/v1/runs/{site.succeeded(**sent)}/scene.json"
+
+    there = site.call("owner", "GET", scene)
+    (site.settings.data / "programs" / record.sha256).unlink()
+    gone = site.call("owner", "GET", scene)
+
+    assert there.get_json()["route"]["points"]
+    assert gone.status_code == 404
+    assert not records.is_known(record.name)
