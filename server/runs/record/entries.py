@@ -23,8 +23,6 @@ from seamark.server.runs.record.trial_scores import block_of
 from seamark.sim.metrics.score_expression import ExpressionInvalid
 from seamark.sim.numerics.statistics import block_means, mean, mean_interval, standard_error
 
-# Of the trials: may break a rule without barring the entry; E, as for ranked runs
-EXCUSED_SHARE = 0.25
 REFERENCE = "reference entry"  # in place of the name of a team
 
 
@@ -110,8 +108,7 @@ def record(session: Session, run_id: int, metrics: Mapping[str, Any] | None) -> 
     if entry is None or metrics is None:
         return None
     run = session.get_one(Run, run_id)
-    is_mark = entry.team_id is None
-    scored = score(run.benchmark, run.config, metrics, excused=1.0 if is_mark else EXCUSED_SHARE)
+    scored = score(run.benchmark, run.config, metrics)
     entry.refusal = scored.refusal
     if scored.refusal is None:
         entry.scores = list(scored.scores)
@@ -133,23 +130,13 @@ def record_again(session: Session, run_id: int, metrics: Mapping[str, Any] | Non
     record(session, run_id, metrics)
 
 
-def score(
-    benchmark: str,
-    config: Mapping[str, Any],
-    metrics: Mapping[str, Any],
-    *,
-    excused: float = EXCUSED_SHARE,
-) -> EntryScore:
+def score(benchmark: str, config: Mapping[str, Any], metrics: Mapping[str, Any]) -> EntryScore:
     """Return the score of an entry: of the organiser's expression, or else of the benchmark.
 
-    `excused` is the share of the trials that may break a rule: all, of reference entries, which
-    are marks that no rule keeps off a board.
+    The rules that keep what cannot do the task off a leaderboard are made for the scenario of the
+    benchmark. In another one they would keep off what can, so the score alone decides.
     """
     trials: Sequence[Mapping[str, Any]] = metrics.get("trials", ())
-    broken = [trial for trial in trials if not trial.get("rankable", True)]
-    if len(broken) > excused * len(trials):
-        why = metrics.get("not_ranked") or "A rule of the benchmark is broken."
-        return EntryScore(refusal=f"{why} So in {len(broken)} of {len(trials)} trials.")
     try:
         scores = trial_scores(benchmark, config, trials)
     except ExpressionInvalid as error:

@@ -11,7 +11,7 @@ from seamark.server.competitions import competitions, teams
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.database.competition_tables import Entry, Team
 from seamark.server.database.tables import Run
-from seamark.server.judging import check, entries
+from seamark.server.judging import entries
 from seamark.server.runs.ending import account_deletion
 from seamark.server.runs.record.states import RunState
 from seamark.server.runs.submission.validation import Submission, SubmissionRejected
@@ -173,23 +173,22 @@ def test_nobody_submits_between_rounds_or_to_a_final(cup: Cup) -> None:
         cup.submit("ann")
 
 
-def test_an_entry_that_breaks_rules_in_too_many_trials_has_no_score(cup: Cup) -> None:
+def test_no_rule_of_ranked_runs_keeps_an_entry_off_a_board(cup: Cup) -> None:
     run_id = cup.submit("ann")
-    cup.finish(run_id, [40.0, 41.0, 42.0], broken=1)
+    cup.finish(run_id, [40.0, 41.0, 42.0], broken=3)
 
-    assert "It hit the bottom. So in 1 of 3 trials." in (own(cup, "ann")[0].refusal or "")
-    assert cup.backend.show(run_id).not_ranked == own(cup, "ann")[0].refusal
+    assert [row.run_id for row in cup.board(QUALIFICATION).rows] == [run_id]
+
+
+def test_an_entry_without_a_value_of_the_expression_says_why_at_its_run(backend: Backend) -> None:
+    cup = Cup.opened(backend, settings={"levels": [0.0, 0.2], "score": "1 / (score - 41)"})
+    cup.team("ann")
+    run_id = cup.entered("ann", [40.0, 41.0, 42.0])
+
+    refusal = own(cup, "ann")[0].refusal or ""
+    assert refusal.startswith("The score of the competition has no value:")
+    assert backend.show(run_id).not_ranked == refusal
     assert cup.board(QUALIFICATION).rows == ()
-
-
-def test_no_rule_keeps_a_reference_entry_off_a_board(backend: Backend) -> None:
-    cup = Cup.draft(backend)
-    with backend.database.writing() as session:
-        check.request(session, cup.view, backend.settings)
-    for run_id in cup.live():
-        cup.finish(run_id, [1.0, 2.0, 3.0], broken=3)
-
-    assert len(cup.board(QUALIFICATION).references) == len(cup.asked.base.baselines)
 
 
 def test_the_expression_of_the_organiser_is_the_score(backend: Backend) -> None:
