@@ -23,6 +23,7 @@ from seamark.server.runs.showing.side_by_side import RUNS_MAX, RUNS_MIN
 from seamark.server.runs.showing.views import RunView
 from seamark.server.web import competition_access, competition_archive, security_headers
 from seamark.server.web.problems import Problem
+from seamark.server.web.rate_limits import PROOFS, client, limiter
 from seamark.server.web.services import services
 from seamark.server.web.site_address import site_address
 from seamark.server.web.template_filters import score
@@ -88,6 +89,7 @@ def embed(name: str) -> ResponseReturnValue:
 
 
 @page.get("/<name>/audit.json")
+@limiter.limit(PROOFS, key_func=client)
 def audit(name: str) -> ResponseReturnValue:
     """Send what anybody needs to check a competition, as far as its rounds are decided."""
     competition = competition_access.shown(name)
@@ -97,6 +99,7 @@ def audit(name: str) -> ResponseReturnValue:
 
 
 @page.get("/<name>/archive.zip")
+@limiter.limit(PROOFS, key_func=client)
 def archive(name: str) -> ResponseReturnValue:
     """Send all of a decided competition as one archive."""
     competition, held = _decided(name), services()
