@@ -23,8 +23,6 @@ GUESSES = "20 per hour; 100 per day"
 CODES, CODES_OF_ADDRESS = "20 per hour; 100 per day", "300 per hour"
 EXPORTS = "10 per hour"  # of all data of an account
 PROOFS = "60 per hour"  # archives and audit files of competitions, which take a while to make
-    "60 per hour"  # archives and audit files of competitions: seconds of CPU time for large ones
-)
 SUBMISSIONS = "30 per minute; 300 per hour"
 CHECKS = "20 per minute; 300 per hour"
 
