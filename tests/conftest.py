@@ -23,6 +23,7 @@ from seamark.server.database.engine import Database
 from seamark.server.monitoring import meters
 from seamark.server.settings import Settings
 from seamark.sim import vehicles
+from seamark.sim.physics.water_motion import records
 from seamark.sim.vehicles import own
 from tests.cast import Backend
 from tests.services import (
@@ -113,11 +114,12 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(autouse=True)
-def _vehicles_of_this_test() -> Iterator[None]:
+def _own_files_of_this_test() -> Iterator[None]:
     """What a test adds is not there for the next: commands run in the process of the tests."""
     yield
     vehicles.added.clear()
     own._FILES.clear()
+    records._ADDED.clear()
 
 
 @pytest.fixture(scope="session")

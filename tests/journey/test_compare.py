@@ -63,7 +63,7 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     expect(page.get_by_role("heading", name="Compare 2 runs")).to_be_visible()
     _views(page, run_ids)
 
-    page.get_by_label("Level").select_option(label="0.3 m/s")
+    page.get_by_label("Level", exact=True).select_option(label="0.3 m/s")
     _expect_time(page, run_ids, 6.0)
     page.get_by_label("Simulated time of all runs").fill("2.5")
     _expect_time(page, run_ids, 8.5)
@@ -71,8 +71,8 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     page.reload()
     _expect_time(page, run_ids, 8.5)
 
-    expect(page.get_by_label("Level")).to_have_value("1")
-    expect(page.locator(".chart")).to_have_count(3)
+    expect(page.get_by_label("Level", exact=True)).to_have_value("1")
+    expect(page.locator("[data-charts] .chart")).to_have_count(3)
     expect(page.locator(".readout").first).to_contain_text("2.5 s")
     assert (reader.errors, reader.violations()) == ([], [])
 
@@ -121,11 +121,11 @@ def test_five_runs_play_together_by_keyboard_alone(reader: Visitor, run_ids: lis
 def test_charts_are_chosen_and_a_run_is_removed(reader: Visitor, run_ids: list[int]) -> None:
     page, run_ids = reader.page, run_ids[:3]
     reader.open(f"/compare?runs={','.join(map(str, run_ids))}")
-    expect(page.locator(".chart")).to_have_count(3)
+    expect(page.locator("[data-charts] .chart")).to_have_count(3)
 
     page.get_by_text("Choose charts").click()
     page.get_by_label("Depth [m]").check()
-    expect(page.locator(".chart")).to_have_count(4)
+    expect(page.locator("[data-charts] .chart")).to_have_count(4)
     page.wait_for_url(re.compile(r"columns=[a-z_,]*z"))
     page.get_by_label(f"Remove run {run_ids[0]}").click()
 

@@ -61,7 +61,7 @@ def test_a_private_run_and_one_that_does_not_exist_get_the_same_answer(site: Sit
     for rule, method in routes:
         answers = []
         for run_id in (private, missing):
-            values = {"run_id": run_id, "role": "tracker"}
+            values = {"run_id": run_id, "role": "tracker", "name": "no-cup-v1"}
             built = rule.build(values, append_unknown=False)
             assert built is not None
             path = f"{built[1]}?with={run_id}"
