@@ -63,7 +63,7 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     expect(page.get_by_role("heading", name="Compare 2 runs")).to_be_visible()
     _views(page, run_ids)
 
-    page.get_by_label("Level", exact=True).select_option(label="0.3 m/s")
+    page.locator("select[data-level]").select_option(label="0.3 m/s")
     _expect_time(page, run_ids, 6.0)
     page.get_by_label("Simulated time of all runs").fill("2.5")
     _expect_time(page, run_ids, 8.5)
@@ -71,7 +71,7 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     page.reload()
     _expect_time(page, run_ids, 8.5)
 
-    expect(page.get_by_label("Level", exact=True)).to_have_value("1")
+    expect(page.locator("select[data-level]")).to_have_value("1")
     expect(page.locator("[data-charts] .chart")).to_have_count(3)
     expect(page.locator(".readout").first).to_contain_text("2.5 s")
     assert (reader.errors, reader.violations()) == ([], [])

@@ -44,6 +44,7 @@ RUSH_S, RUN_S = 600.0, 4.0  # of the rush; of a run of a fake worker
 QUIET_S = 20.0  # before the rush, for the baseline
 LOOKS_S = 15.0  # between two looks of a team at the competition
 THREADS = 24  # clients that send at the same time
+IDLE_S = 1.0  # a connection that was idle for longer is not used again: the server may end it
 START_S = 60.0
 NAME, BENCHMARK = "rush-v1", "currents-v1"
 ACCEPTED = 202
@@ -73,9 +74,10 @@ class Client:
 
     def request(self, path: str, token: str, body: object = None) -> tuple[int, float]:
         """Send a request and return its status and how long the answer took [s]."""
-        connection = getattr(self._local, "connection", None)
-        if connection is None:
-            connection = self._local.connection = HTTPConnection("127.0.0.1", self._port)
+        connection, sent_at = getattr(self._local, "connection", (None, 0.0))
+        if connection is None or time.monotonic() - sent_at > IDLE_S:
+            connection = HTTPConnection("127.0.0.1", self._port)
+        self._local.connection = connection, time.monotonic()
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         content = None if body is None else json.dumps(body)
         if content is not None:
