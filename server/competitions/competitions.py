@@ -14,7 +14,6 @@ from seamark.competitions.document import (
     CompetitionDocument,
     DocumentInvalid,
     Final,
-    Programs,
     RoundKind,
 )
 from seamark.competitions.document import Round as RoundPlan
@@ -142,11 +141,6 @@ class CompetitionView:
     def qualification(self) -> RoundView:
         """The round that decides who is in the final."""
         return next(one for one in self.rounds if one.kind is RoundKind.QUALIFICATION)
-
-    @property
-    def organiser_reads(self) -> bool:
-        """Whether the organiser may read the programs that teams submit."""
-        return self.document.programs is not Programs.HIDDEN
 
 
 def prepared(
@@ -376,9 +370,9 @@ def listed(session: Session) -> list[CompetitionView]:
     return _views(session, Competition.opened_at.is_not(None))
 
 
-def drafts_of(session: Session, organiser_id: int | None) -> list[CompetitionView]:
-    """Return the drafts of an organiser, or all drafts."""
-    own = True if organiser_id is None else Competition.organiser_id == organiser_id
+def drafts_of(session: Session, organiser_id: int) -> list[CompetitionView]:
+    """Return the drafts of an organiser."""
+    own = Competition.organiser_id == organiser_id
     return _views(session, Competition.opened_at.is_(None) & own)
 
 
@@ -458,7 +452,7 @@ def _views(
         CompetitionView(
             **{name: getattr(row, name) for name in (*same, "opened_at", "ended_at")},
             organiser=organiser or "",
-            document=document_of(row),
+            document=_document_of(row),
             has_picture=has_picture,
             files=files.get(row.id, {}),
             teams=count,
@@ -468,7 +462,7 @@ def _views(
     ]
 
 
-def document_of(row: Competition) -> CompetitionDocument:
+def _document_of(row: Competition) -> CompetitionDocument:
     """Return the document of a competition."""
     return _document(json.dumps(row.document))
 
@@ -488,16 +482,16 @@ def _files(session: Session, competition_ids: Sequence[int]) -> dict[int, dict[s
 
 
 def _rounds(session: Session, rows: Sequence[Competition]) -> dict[int, list[RoundView]]:
-    documents = {row.id: document_of(row) for row in rows}
+    documents = {row.id: _document_of(row) for row in rows}
     result: dict[int, list[RoundView]] = {row.id: [] for row in rows}
     numbered = (Round.competition_id.in_(documents), Round.number != CHECK)
     for one in session.scalars(select(Round).where(*numbered).order_by(Round.number)):
         plan = documents[one.competition_id].round(one.number)
-        result[one.competition_id].append(round_view(one, plan))
+        result[one.competition_id].append(_round_view(one, plan))
     return result
 
 
-def round_view(row: Round, plan: RoundPlan | Final) -> RoundView:
+def _round_view(row: Round, plan: RoundPlan | Final) -> RoundView:
     """Return the values of a round."""
     same = ("id", "competition_id", "number", "opens_at", "closes_at", "commitment", "key")
     values = {name: getattr(row, name) for name in (*same, "batches", "decided_at")}

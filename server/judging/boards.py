@@ -61,12 +61,11 @@ def board(
 
     A team has one row, its best one, unless rows are by method.
     """
-    references = tuple(_references(session, competition))
     if one.id == competition.deciding.id and one.decided_at is not None:
         decided = Board(*_final(session, competition, one), by_method=True)
         return decided if by_method else decided.per_team()
     rows = _best(session, competition, one, by_method=by_method)
-    return Board(_ranked(rows), references, by_method)
+    return Board(_ranked(rows), tuple(_references(session, competition)), by_method)
 
 
 def _best(

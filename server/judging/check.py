@@ -18,6 +18,7 @@ from seamark.server.database.competition_tables import Entry, Round
 from seamark.server.database.tables import Run
 from seamark.server.judging import entries, finals
 from seamark.server.messaging import workers
+from seamark.server.programs import own_files
 from seamark.server.runs.ending import deletion, results
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.states import LIVE, RunKind
@@ -62,7 +63,8 @@ def request(session: Session, competition: CompetitionView, settings: Settings) 
         raise CompetitionRefused("The draft has been checked. Change it to check it again.")
     document, vehicle = competition.document, entries.vehicle_of(competition, settings)
     files = entries.files_of(competition, settings)
-    fixed = entries.fixed(competition, settings)
+    with own_files.lent(vehicle, files):
+        fixed = document.fixed()
     for name, baseline in document.base.baselines.items():
         entry = Entry(
             round_id=row.id,

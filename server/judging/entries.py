@@ -15,7 +15,6 @@ from sqlalchemy.orm import Session
 from seamark.competitions import keys
 from seamark.competitions.document import Carry
 from seamark.competitions.document import Round as RoundPlan
-from seamark.programs.failure_reasons import FailureReason
 from seamark.server.competitions import competitions, teams
 from seamark.server.competitions.competitions import CompetitionView, RoundView
 from seamark.server.competitions.refusals import CompetitionRefused
@@ -26,7 +25,7 @@ from seamark.server.programs import own_files, vehicles
 from seamark.server.programs.own_files import StoredFile
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.record import method_names
-from seamark.server.runs.record.states import LIVE, RunKind, RunState
+from seamark.server.runs.record.states import LIVE, RunKind, RunState, seen_ended
 from seamark.server.runs.submission.fixed_settings import with_fixed
 from seamark.server.runs.submission.validation import (
     EntryTerms,
@@ -265,11 +264,7 @@ def charged() -> ColumnElement[bool]:
 
     Failures of the service do not, nor what was cancelled before it started.
     """
-    return or_(
-        Run.state.in_((*LIVE, RunState.SUCCEEDED)),
-        and_(Run.state == RunState.FAILED, Run.cause != FailureReason.PLATFORM_ERROR),
-        and_(Run.state == RunState.CANCELLED, Run.started_at.is_not(None)),
-    )
+    return or_(Run.state.in_(LIVE), seen_ended())
 
 
 def _enforce_quota(

@@ -228,7 +228,8 @@ def _repeat_broken(
         else:
             entry.refusal = "The service could not evaluate it."
             _log.error("final_entry_broken", competition=competition.name, run=entry.run_id)
-    turns.refresh(session, owner_of(competition.id))
+    if count:
+        turns.refresh(session, owner_of(competition.id))
     return count
 
 

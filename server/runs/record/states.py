@@ -127,10 +127,15 @@ def _change(
 
 
 def ranked_ended() -> ColumnElement[bool]:
-    """Return the condition on `Run`: a ranked run of which its user has seen something.
+    """Return the condition on `Run`: a ranked run of which its user has seen something."""
+    return and_(Run.kind == RunKind.RANKED, seen_ended())
+
+
+def seen_ended() -> ColumnElement[bool]:
+    """Return the condition on `Run`: whoever submitted it has seen something of it.
 
     It ended, not by a failure of the platform, or was cancelled after it had started.
     """
     failed = and_(Run.state == RunState.FAILED, Run.cause != FailureReason.PLATFORM_ERROR)
     cancelled = and_(Run.state == RunState.CANCELLED, Run.started_at.is_not(None))
-    return and_(Run.kind == RunKind.RANKED, or_(Run.state == RunState.SUCCEEDED, failed, cancelled))
+    return or_(Run.state == RunState.SUCCEEDED, failed, cancelled)
