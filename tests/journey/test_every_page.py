@@ -4,17 +4,20 @@ The pages come from the routes of the application, so that a new page is tested 
 that lead to the same address, one is looked at.
 """
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
+from sqlalchemy import update
 
 from performance.service.database.requests import create_first, pages
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app
+from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.settings import Settings
 from tests.journey import accessibility
 from tests.journey.service import Service
@@ -40,6 +43,11 @@ def views(service: Service, finished: tuple[int, Any]) -> dict[str, str]:
     with app.extensions["seamark"].database.writing() as session:
         admin = accounts.sign_up(session, ADMIN, PASSWORD, role=Role.ADMIN)
         create_first(session, admin.id)
+        # Other tests on this service may start a rejudgement of theirs, of which one waits at most.
+        discarded = {"decision": "discarded", "decided_by": ADMIN, "decided_at": time.time()}
+        session.execute(
+            update(Rejudgement).where(Rejudgement.created_by == "root").values(discarded)
+        )
     found = pages(app, run_id=finished[0], user="player", user_id=admin.id)
     app.extensions["seamark"].close()
     routes = app.url_map.bind("")
