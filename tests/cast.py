@@ -34,6 +34,8 @@ from seamark.server.runs.showing import views
 from seamark.server.runs.showing.views import RunView
 from seamark.server.runs.submission import submission, validation
 from seamark.server.settings import Settings
+from seamark.sim.files import target_pictures
+from seamark.sim.physics.water_motion import records
 from seamark.sim.vehicles import own
 
 USERS = ("ann", "eva", "ben")
@@ -56,6 +58,12 @@ kp = 0.7
 """
 RECORD = "# seamark-current 1\n# title: A test\ntime_s,height_m,north,east,down\n" + "".join(
     f"{10 * at},1,{0.2 + 0.02 * (at % 3)},0.05,0\n" for at in range(20)
+)
+# A picture for the target: stripes and a gradient, as binary PGM.
+MARKER = b"P5\n500 160\n255\n" + bytes(
+    (row + column // 3) % 200 + 50 * (column // 25 % 2)
+    for row in range(160)
+    for column in range(500)
 )
 PI_RUN: dict[str, Any] = {"benchmark": "currents-v1", "config": {}, "controller": "pi"}
 MANIFEST = {"seed": 7, "trials": [{"seed": 9}]}
@@ -107,7 +115,12 @@ class Backend:
 
     def store_record(self, text: str = RECORD) -> StoredFile:
         """Store the file of a record of currents as an upload of it is stored."""
-        return own_files.save_record(text.encode(), self.settings)
+        return own_files.save(records.LIBRARY.setting, text.encode(), self.settings)
+
+    def store_picture(self, content: bytes = MARKER) -> StoredFile:
+        """Store a picture that covers the target as an upload of it is stored."""
+        library = target_pictures.LIBRARY
+        return own_files.save(library.setting, library.converted(content), self.settings)
 
     def unused_deleted(self) -> int:
         """Delete uploads that nothing refers to, however new they are; return how many."""

@@ -23,7 +23,7 @@ from seamark.server.database.engine import Database
 from seamark.server.monitoring import meters
 from seamark.server.settings import Settings
 from seamark.sim import vehicles
-from seamark.sim.physics.water_motion import records
+from seamark.sim.settings.own_files import LIBRARIES
 from seamark.sim.vehicles import own
 from tests.cast import Backend
 from tests.services import (
@@ -119,7 +119,8 @@ def _own_files_of_this_test() -> Iterator[None]:
     yield
     vehicles.added.clear()
     own._FILES.clear()
-    records._ADDED.clear()
+    for library in LIBRARIES.values():
+        library._added.clear()
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from seamark.failures import UsageRefused
 
-FILES = ("picture", "vehicle", "current_record")  # entries with the path of a file beside it
+# Entries with the path of a file beside it.
+FILES = ("picture", "vehicle", "current_record", "target_texture")
 DAY = timedelta(days=1)
 STARTER = """\
 # A competition. docs/competitions.md describes every entry; those with a # before them have the
@@ -30,6 +31,7 @@ zone = "UTC"  # time zone of the times below, and of those that pages show, such
 # picture = "cup.png"  # PNG or JPEG, beside this file
 # vehicle = "my_rov.toml"  # a vehicle of your own, beside this file
 # current_record = "ria.csv"  # a record of currents of your own, beside this file
+# target_texture = "logo.png"  # a picture of your own that covers the target, beside this file
 
 benchmark = "currents-v3"  # whose scenario you change
 # programs = "hidden"  # who reads the programs of teams: hidden, organiser or public
@@ -68,7 +70,7 @@ finalists = 1  # methods of a team
 
 
 class OrganisersFile(NamedTuple):
-    """The values of a file, and what it names of other files: picture, vehicle, record."""
+    """The values of a file, and what it names of other files, such as a picture."""
 
     values: dict[str, Any]
     files: dict[str, Path]

@@ -99,15 +99,14 @@ def read_settings(
 
 
 def with_files(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings in which the files of a user's own vehicle and record of currents are read.
+    """Return settings in which the user's own files are read: vehicle, record, target picture.
 
     Raises
     ------
     UsageRefused
         One of them cannot be read, or breaks a rule.
     """
-    from seamark.sim.physics.water_motion import records
-    from seamark.sim.physics.water_motion.record import RecordInvalid
+    from seamark.sim.files.library import FileInvalid
     from seamark.sim.settings import own_files
     from seamark.sim.vehicles import own
     from seamark.sim.vehicles.reading import VehicleInvalid
@@ -118,8 +117,8 @@ def with_files(settings: Mapping[str, Any]) -> dict[str, Any]:
         path, more = settings[own.SETTING], len(reason.errors) - 1
         rest = f" {more} more: `seamark vehicle check {path}`." if more else ""
         raise UsageRefused(f"{path}: {reason.errors[0]}{rest}") from None
-    except RecordInvalid as reason:
-        raise UsageRefused(f"{settings[records.SETTING]}: {reason}") from None
+    except FileInvalid as reason:
+        raise UsageRefused(str(reason)) from None
 
 
 def taken_vehicle(settings: Mapping[str, Any]) -> tuple[dict[str, Any], Path | None]:

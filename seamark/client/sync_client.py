@@ -151,6 +151,7 @@ class Client:
         picture: str | Path | None = None,
         vehicle: str | Path | None = None,
         current_record: str | Path | None = None,
+        target_texture: str | Path | None = None,
         replace: bool = False,
     ) -> dict[str, Any]:
         """Make a draft of a competition, or with `replace` change the draft of this name.
@@ -163,7 +164,12 @@ class Client:
         OSError
             A file cannot be read.
         """
-        given = {"picture": picture, "vehicle": vehicle, "current_record": current_record}
+        given = {
+            "picture": picture,
+            "vehicle": vehicle,
+            "current_record": current_record,
+            "target_texture": target_texture,
+        }
         files = {name: file for name, file in given.items() if file is not None}
         call = self._calls.write_competition(document, files, replaces=replace)
         return self._session.do(call)

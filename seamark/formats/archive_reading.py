@@ -31,6 +31,7 @@ from seamark.formats.archive import (
 from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
+from seamark.sim.files.target_pictures import BYTES_MAX as TARGET_BYTES
 from seamark.sim.physics.water_motion.record import BYTES_MAX as CURRENT_BYTES
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_BYTES
@@ -69,6 +70,15 @@ class CurrentFile(BaseModel):
     text: str = Field(max_length=CURRENT_BYTES)
 
 
+class TargetFile(BaseModel):
+    """The file of a user's own picture on the target, and its SHA-256."""
+
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+
+    sha256: Sha256
+    text: str = Field(max_length=TARGET_BYTES)
+
+
 class Manifest(BaseModel):
     """What of a manifest decides a result, or tells why another one came out."""
 
@@ -91,6 +101,7 @@ class Manifest(BaseModel):
     same_bits_on_every_cpu: bool = True
     vehicle_file: VehicleFile | None = None
     current_file: CurrentFile | None = None
+    target_file: TargetFile | None = None
 
     def trial_seeds(self) -> tuple[int, ...]:
         """Return the seed of each trial; raises ArchiveRefused if they are hidden."""

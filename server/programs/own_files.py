@@ -1,4 +1,4 @@
-"""Files of users that settings name, lent to what is done for one run: vehicles and records.
+"""Files of users that settings name, lent to what is done for one run: vehicles and others.
 
 A web process adds none to those that anybody can choose: a run has its own, by the SHA-256 of its
 file in the store of programs, and only while something is done for that run is its name known.
@@ -15,13 +15,11 @@ from seamark.server.programs import store, vehicles
 from seamark.server.programs.vehicles import StoredVehicle, WithVehicle
 from seamark.server.settings import Settings
 from seamark.server.storage.storage import StorageUnavailable
-from seamark.sim.physics.water_motion import records
-from seamark.sim.physics.water_motion.record import RecordInvalid
-from seamark.sim.settings.own_files import INVALID, lending
+from seamark.sim.files.library import FileInvalid
+from seamark.sim.settings.own_files import INVALID, LIBRARIES, lending
 from seamark.sim.vehicles import own
 
-RECORD = records.SETTING  # part of a form with the file
-_MANIFEST = {"vehicle_file", "current_file"}  # entries that have a whole file
+_MANIFEST = {"vehicle_file", *(one.entry for one in LIBRARIES.values())}  # have a whole file
 
 
 class FileRejected(UploadRejected):
@@ -30,6 +28,14 @@ class FileRejected(UploadRejected):
     def __init__(self, sentence: str, *, field: str) -> None:
         super().__init__(sentence)
         self.field = field
+
+
+class FileDeleted(FileNotFoundError):
+    """The file of a setting was deleted with the data of its run."""
+
+    def __init__(self, setting: str) -> None:
+        super().__init__(f"The {LIBRARIES[setting].what} of this run has been deleted.")
+        self.setting = setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +66,11 @@ class WithFiles(WithVehicle, Protocol):
 
 def are_named(config: Mapping[str, object]) -> bool:
     """Return whether a setting names a file, other than that of a vehicle."""
-    return records.is_own(config.get(RECORD))
+    return any(library.is_own(config.get(name)) for name, library in LIBRARIES.items())
 
 
-def save_record(content: bytes, settings: Settings) -> StoredFile:
-    """Put a file that `ProgramReader.read_record` has read into the store.
+def save(setting: str, content: bytes, settings: Settings) -> StoredFile:
+    """Put a file that `ProgramReader.read_file` has read into the store.
 
     Raises
     ------
@@ -72,13 +78,13 @@ def save_record(content: bytes, settings: Settings) -> StoredFile:
         There is no room for it, or the data folder is away.
     """
     sha256 = store.save_content(content, settings)
-    return StoredFile(RECORD, records.name_of(content), sha256, content)
+    return StoredFile(setting, LIBRARIES[setting].name_of(content), sha256, content)
 
 
 def stored(
     files: Mapping[str, str], config: Mapping[str, object], settings: Settings
 ) -> tuple[StoredFile, ...]:
-    """Return stored files; raises FileNotFoundError if one was deleted.
+    """Return stored files.
 
     Parameters
     ----------
@@ -86,11 +92,19 @@ def stored(
         Setting -> SHA-256.
     config
         Has the names of the files.
+
+    Raises
+    ------
+    FileDeleted
     """
-    return tuple(
-        StoredFile(setting, str(config[setting]), sha256, store.read(settings, sha256))
-        for setting, sha256 in files.items()
-    )
+    found = []
+    for setting, sha256 in files.items():
+        try:
+            content = store.read(settings, sha256)
+        except FileNotFoundError:
+            raise FileDeleted(setting) from None
+        found.append(StoredFile(setting, str(config[setting]), sha256, content))
+    return tuple(found)
 
 
 def of_run(run: WithFiles, settings: Settings) -> tuple[StoredFile, ...]:
@@ -98,12 +112,12 @@ def of_run(run: WithFiles, settings: Settings) -> tuple[StoredFile, ...]:
 
     Raises
     ------
-    FileNotFoundError
+    FileDeleted
         One was deleted with the data of the run.
     """
     for one in run.files:
         if store.touch(settings, one.sha256) is None:
-            raise FileNotFoundError(one.sha256)
+            raise FileDeleted(one.setting)
     return stored({one.setting: one.sha256 for one in run.files}, run.config, settings)
 
 
@@ -121,7 +135,7 @@ def lent(vehicle: StoredVehicle | None, files: Sequence[StoredFile] = ()) -> Ite
         for file in files:
             try:
                 stack.enter_context(lending(file.setting, file.content))
-            except RecordInvalid as invalid:  # most likely accepted by an older version
+            except FileInvalid as invalid:  # most likely accepted by an older version
                 raise FileRejected(str(invalid), field=file.setting) from None
         yield
 

@@ -16,11 +16,11 @@ from seamark.programs.diagnostics import Diagnostic, Stage
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.programs import own_files, vehicles
+from seamark.server.programs import vehicles
 from seamark.server.programs.fair_semaphore import FairSemaphore
 from seamark.server.programs.own_files import FileRejected
 from seamark.server.programs.vehicles import VehicleRejected, VehicleReport
-from seamark.sim.physics.water_motion.record import BYTES_MAX as RECORD_BYTES_MAX
+from seamark.sim.settings.own_files import LIBRARIES
 from seamark.sim.vehicles.toml_reading import BYTES_MAX
 
 SLOTS = 2  # uploads of one web process that are read at the same time; the others wait
@@ -100,26 +100,28 @@ class ProgramReader:
             raise VehicleRejected(str(refusal)) from None
         return VehicleReport.from_json(json.loads(output)), content
 
-    def read_record(self, stream: BinaryIO, filename: str, *, owner: str) -> bytes:
-        """Return the file of a record of currents, which is one.
+    def read_file(self, stream: BinaryIO, filename: str, *, setting: str, owner: str) -> bytes:
+        """Return the file to keep of one that a setting can name.
 
         Raises
         ------
         FileRejected
-            It is none, or too large, or reading it costs too much.
+            It breaks a rule, is too large, or reading it costs too much.
         SlotsBusy, ReaderBroken
             As `read_upload`.
         """
         name = preparation.clean_name(filename)
-        content = stream.read(RECORD_BYTES_MAX + 1)
+        content = stream.read(LIBRARIES[setting].bytes_max + 1)
         try:
             with self.slots.taken(owner):
-                answer = json.loads(self._answer({"record": True}, content, name))
+                output = self._answer({"setting": setting}, content, name)
         except UploadRejected as refusal:
-            raise FileRejected(str(refusal), field=own_files.RECORD) from None
-        if answer["refused"]:
-            raise FileRejected(f"{name}: {answer['refused']}", field=own_files.RECORD)
-        return content
+            raise FileRejected(str(refusal), field=setting) from None
+        line, _, kept = output.partition(b"\n")
+        refused = json.loads(line)["refused"]
+        if refused:
+            raise FileRejected(f"{name}: {refused}", field=setting)
+        return kept
 
     def close(self) -> None:
         """End the process that waits."""
@@ -168,8 +170,8 @@ class ProgramReader:
 def _start() -> "subprocess.Popen[bytes]":
     """Start a process that reads one upload; it ends with this one, whose pipe it reads."""
     pipe = subprocess.PIPE
-    # It needs no secret of the service, and no memory for threads of NumPy on each core.
-    environment = {"OPENBLAS_NUM_THREADS": "1"}
+    # It needs no secret of the service, and no memory for threads of NumPy or OpenCV on each core.
+    environment = {"OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
     return subprocess.Popen(_COMMAND, stdin=pipe, stdout=pipe, stderr=pipe, env=environment)
 
 

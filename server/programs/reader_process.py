@@ -2,7 +2,8 @@
 
 Protocol: a line of JSON with the request and then the upload on standard input; a line of JSON
 with the answer and then the content on standard output. For a vehicle, the answer is the fields of
-a `VehicleReport`, without a content; for a record of currents it says why it is refused, if it is.
+a `VehicleReport`, without a content; for another file that a setting can name, it says why it is
+refused, if it is, and the content is the file to keep.
 Started by `reader`.
 """
 
@@ -28,8 +29,8 @@ def main() -> None:
     source = sys.stdin.buffer.read()
     if "vehicle" in request:
         answer, content = _vehicle(source), b""
-    elif "record" in request:
-        answer, content = _record(source), b""
+    elif "setting" in request:
+        answer, content = _file(request["setting"], source)
     else:
         answer, content = _answer(source, request["filename"], request["role"])
     sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + content)
@@ -69,18 +70,15 @@ def _vehicle(content: bytes) -> dict[str, Any]:
     }
 
 
-def _record(content: bytes) -> dict[str, Any]:
-    """Return why the file of a record of currents is refused; empty if it is not."""
-    from seamark.sim.physics.water_motion.record import (  # noqa: PLC0415 - as above
-        RecordInvalid,
-        read_record,
-    )
+def _file(setting: str, content: bytes) -> tuple[dict[str, Any], bytes]:
+    """Return why a file that a setting can name is refused, empty if it is not, and it as kept."""
+    from seamark.sim.files.library import FileInvalid  # noqa: PLC0415 - as above
+    from seamark.sim.settings.own_files import LIBRARIES  # noqa: PLC0415
 
     try:
-        read_record(content)
-    except RecordInvalid as invalid:
-        return {"refused": str(invalid)}
-    return {"refused": ""}
+        return {"refused": ""}, LIBRARIES[setting].converted(content)
+    except FileInvalid as invalid:
+        return {"refused": str(invalid)}, b""
 
 
 def _limit() -> None:

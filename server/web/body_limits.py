@@ -13,7 +13,7 @@ from seamark.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.physics.water_motion.record import BYTES_MAX as RECORD_MAX_BYTES
+from seamark.sim.settings.own_files import LIBRARIES
 from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_MAX_BYTES
 
 FORM_MAX_BYTES = 128 * 1024  # of a body without a program: URL-encoded, JSON or multipart
@@ -54,8 +54,9 @@ def body_max(settings: Settings, content_type: str) -> int:
 
 
 def _files_max(settings: Settings, programs: int) -> int:
-    """Return the size [byte] of so many of the largest programs, or a record, with a vehicle."""
-    return max(programs * settings.upload_max_bytes, RECORD_MAX_BYTES) + VEHICLE_MAX_BYTES
+    """Return the size [byte] of so many of the largest programs, or other files, with a vehicle."""
+    others = sum(library.bytes_max for library in LIBRARIES.values())
+    return max(programs * settings.upload_max_bytes, others) + VEHICLE_MAX_BYTES
 
 
 def _programs_max() -> int:

@@ -76,18 +76,19 @@ def store_vehicle(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredV
     return vehicles.save(report.name, content, current.settings)
 
 
-def store_record(stream: BinaryIO, filename: str, *, viewer: Viewer) -> StoredFile:
-    """Store a record of currents with which the viewer may organise a competition.
+def store_file(stream: BinaryIO, filename: str, *, setting: str, viewer: Viewer) -> StoredFile:
+    """Store a file of a setting with which the viewer may organise a competition.
 
     Raises
     ------
     FileRejected
-        It is none.
+        It breaks a rule.
     QuotaExceeded, StorageUnavailable
         As `store_program`.
     """
     current = services()
-    content = current.reader.read_record(stream, filename, owner=viewer.owner or "")
+    owner = viewer.owner or ""
+    content = current.reader.read_file(stream, filename, setting=setting, owner=owner)
     with current.database.reading() as session:
         quota.enforce(session, viewer, current.settings, new_bytes=len(content))
-    return own_files.save_record(content, current.settings)
+    return own_files.save(setting, content, current.settings)

@@ -1,8 +1,9 @@
-"""Pictures that targets and seabeds are covered with: painted patterns and photographs.
+"""Pictures that targets and seabeds are covered with: painted patterns, photographs, users' own.
 
 All have the same size, mean grey and contrast, so that what differs is their structure. The
 photographs are files beside this module (textures/LICENSE.md); patterns use only an integer hash
-and + - * /, so that every processor gives the same bytes.
+and + - * /, so that every processor gives the same bytes. A user's own covers a target's top as it
+is, and goes on mirrored at the sides.
 """
 
 import math
@@ -16,6 +17,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.camera.seabed import TILE, hash01, packed, padded, value_noise
+from seamark.sim.files import target_pictures
 
 Picture = NDArray[np.uint8]  # (SIDE, SIDE)
 
@@ -27,6 +29,8 @@ MEAN, SPREAD = 112.0, 46.0  # [grey] mean and standard deviation of the photogra
 _FOLDER = Path(__file__).with_name("textures")
 _MOSAIC_CELLS = ((7, 1.0), (19, 0.8), (53, 0.6))  # cells along a side, weight; E
 _MOTTLE_CELLS = ((6, 0.5), (14, 1.0), (31, 1.0), (67, 0.8), (150, 0.6))  # as above
+_OWN = (SIDE - target_pictures.HEIGHT) // 2, (SIDE - target_pictures.WIDTH) // 2  # its corner
+_OWN_KEPT = 4
 _FACE_OFFSET_PX = 150  # from the cut-out of a face to the next, so that no two look alike
 
 
@@ -34,14 +38,25 @@ _FACE_OFFSET_PX = 150  # from the cut-out of a face to the next, so that no two 
 class Cutout:
     """What part of a picture covers the faces of a box."""
 
-    picture: str  # of PICTURES
+    picture: str  # of PICTURES, or a user's own
     row: int  # [px] of the upper left corner of the first face, in the seamless tile
     column: int
 
 
-@lru_cache(maxsize=len(PICTURES))
+def cutout(name: str, row_share: float, column_share: float) -> Cutout:
+    """Return a part of a picture at a place given by shares of the tile; of a user's, its own."""
+    if target_pictures.LIBRARY.is_own(name):
+        return Cutout(name, *_OWN)
+    return Cutout(name, int(row_share * TILE), int(column_share * TILE))
+
+
+@lru_cache(maxsize=len(PICTURES) + _OWN_KEPT)
 def picture(name: str) -> Picture:
     """Return a picture, (SIDE, SIDE)."""
+    own = target_pictures.LIBRARY.get(name)
+    if own is not None:
+        row, column = _OWN
+        return np.pad(own, ((row, row), (column, column)), mode="symmetric")
     if name == "mosaic":
         return _mosaic()
     if name == "mottle":

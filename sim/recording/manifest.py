@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+from seamark.sim.files import target_pictures
 from seamark.sim.physics.water_motion import records
 from seamark.sim.recording import opencv
 from seamark.sim.vehicles import own
@@ -67,14 +68,18 @@ def manifest(
         Further entries, unchanged.
 
     A run with a user's own vehicle has that vehicle's file (`vehicle_file`), one with a user's own
-    record of currents that record's (`current_file`).
+    record of currents that record's (`current_file`), and one with a user's own picture on the
+    target that picture's (`target_file`).
 
     An uploaded program may use BLAS, NumPy's vectorised functions or the C library's mathematics,
     which choose their code by the processor: `same_bits_on_every_cpu` is false for all uploads.
     """
     configuration = config.model_dump(mode="json")
     vehicle = own.file_of(configuration.get(own.SETTING))
-    record = records.file_of(configuration.get(records.SETTING))
+    files = {
+        library.entry: library.file_of(configuration.get(library.setting))
+        for library in (records.LIBRARY, target_pictures.LIBRARY)
+    }
     return {
         "format": FORMAT,
         "benchmark": benchmark,
@@ -91,7 +96,7 @@ def manifest(
         "cpu": cpu_class(),
         "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
         **({} if vehicle is None else {"vehicle_file": vehicle._asdict()}),
-        **({} if record is None else {"current_file": record._asdict()}),
+        **{entry: file._asdict() for entry, file in files.items() if file is not None},
     } | more
 
 

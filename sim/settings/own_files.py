@@ -1,25 +1,18 @@
-"""Settings that a file of the user's own can take the place of: a vehicle, a record of currents."""
+"""Settings that a file of the user's own can take the place of: vehicle, record, target picture."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from typing import NamedTuple
+from typing import Any
 
+from seamark.sim.files import target_pictures
+from seamark.sim.files.library import FileInvalid, Library
 from seamark.sim.physics.water_motion import records
-from seamark.sim.physics.water_motion.record import RecordInvalid
 from seamark.sim.vehicles import own
 from seamark.sim.vehicles.reading import VehicleInvalid
 
-INVALID = (VehicleInvalid, RecordInvalid)  # what the functions here raise of a file
-
-
-class _Kind(NamedTuple):
-    add: Callable[[bytes], str]
-    lending: Callable[[bytes], AbstractContextManager[str]]
-
-
-_KINDS = {
-    own.SETTING: _Kind(own.add, own.lending),
-    records.SETTING: _Kind(records.add, records.lending),
+INVALID = (VehicleInvalid, FileInvalid)  # what the functions here raise of a file
+LIBRARIES: Mapping[str, Library[Any]] = {  # of all but vehicles, which have names of their own
+    one.setting: one for one in (records.LIBRARY, target_pictures.LIBRARY)
 }
 
 
@@ -28,15 +21,17 @@ def add(setting: str, content: bytes) -> str:
 
     Raises
     ------
-    VehicleInvalid, RecordInvalid
+    VehicleInvalid, FileInvalid
         The file breaks a rule.
     """
-    return _KINDS[setting].add(content)
+    return own.add(content) if setting == own.SETTING else LIBRARIES[setting].add(content)
 
 
 def lending(setting: str, content: bytes) -> AbstractContextManager[str]:
     """Let this thread use a file meanwhile, and nothing else in this process; raises as `add`."""
-    return _KINDS[setting].lending(content)
+    if setting == own.SETTING:
+        return own.lending(content)
+    return LIBRARIES[setting].lending(content)
 
 
 def resolved(settings: Mapping[str, object]) -> dict[str, object]:
@@ -44,7 +39,10 @@ def resolved(settings: Mapping[str, object]) -> dict[str, object]:
 
     Raises
     ------
-    VehicleInvalid, RecordInvalid
+    VehicleInvalid, FileInvalid
         A file cannot be read, or breaks a rule.
     """
-    return records.resolved(own.resolved(settings))
+    found = own.resolved(settings)
+    for library in LIBRARIES.values():
+        found = library.resolved(found)
+    return found

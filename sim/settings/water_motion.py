@@ -64,15 +64,14 @@ class WaterMotionSettings(Configuration):
     @classmethod
     def accepts(cls, name: str, value: object) -> bool:
         """Return whether a value is also a record of a user that this process has read."""
-        own = name == records.SETTING and records.is_own(value) and records.is_known(value)
+        own = name == records.LIBRARY.setting and records.LIBRARY.is_known(value)
         return own or super().accepts(name, value)
 
     @classmethod
     def hint(cls, name: str, value: object) -> str:
         """Return where a record's file can be used."""
-        if name == records.SETTING and isinstance(value, str):
-            given = value.endswith(records.SUFFIX) or records.is_own(value)
-            return OWN_RECORD if given else ""
+        if name == records.LIBRARY.setting and records.LIBRARY.is_meant(value):
+            return OWN_RECORD
         return super().hint(name, value)
 
     def is_tabulated(self) -> bool:

@@ -58,8 +58,9 @@ def init(*, file: Path, as_json: bool) -> None:
 def create(*, file: Path, replace: bool, server: str, token: str | None, as_json: bool) -> None:
     """Make a draft of the competition in FILE (TOML or JSON), which nobody else sees.
 
-    The reference entries of the benchmark check it at once. `picture`, `vehicle` and
-    `current_record` in FILE are paths of files beside it, which are sent with it.
+    The reference entries of the benchmark check it at once. `picture`, `vehicle`,
+    `current_record` and `target_texture` in FILE are paths of files beside it, which are sent with
+    it.
 
     \b
     Examples:
@@ -89,6 +90,7 @@ def _write(client: Client, written: OrganisersFile, *, replace: bool) -> dict[st
             picture=files.get("picture"),
             vehicle=files.get("vehicle"),
             current_record=files.get("current_record"),
+            target_texture=files.get("target_texture"),
             replace=replace,
         )
     except OSError as error:

@@ -57,7 +57,7 @@ def _report(archived: ArchivedRun, isolation: FindIsolation, *, quiet: bool) -> 
 
     manifest = archived.manifest
     _add_vehicle(manifest)
-    _add_record(manifest)
+    _add_files(manifest)
     program = _program(archived)
     content = None if program is None else program.content
     parts = _parts(archived)
@@ -102,22 +102,24 @@ def _add_vehicle(manifest: Manifest) -> None:
         )
 
 
-def _add_record(manifest: Manifest) -> None:
-    """Make the user's own record of currents of a run known here; raises UsageRefused."""
-    from seamark.sim.physics.water_motion import records
-    from seamark.sim.physics.water_motion.record import RecordInvalid
+def _add_files(manifest: Manifest) -> None:
+    """Make the user's other files of a run known here; raises UsageRefused."""
+    from seamark.sim.files.library import FileInvalid
+    from seamark.sim.settings.own_files import LIBRARIES
 
-    if manifest.current_file is None:
-        return
-    try:
-        name = records.add(manifest.current_file.text.encode())
-    except RecordInvalid as reason:
-        raise UsageRefused(f"The current in the archive: {reason}") from None
-    if name != manifest.configuration.get(records.SETTING):
-        raise UsageRefused(
-            "The record of currents in the archive is another one than that of its "
-            "configuration: the archive was changed."
-        )
+    for library in LIBRARIES.values():
+        file = getattr(manifest, library.entry)
+        if file is None:
+            continue
+        try:
+            name = library.add(file.text.encode())
+        except FileInvalid as reason:
+            raise UsageRefused(f"The {library.what} in the archive: {reason}") from None
+        if name != manifest.configuration.get(library.setting):
+            raise UsageRefused(
+                f"The {library.what} in the archive is another one than that of its configuration: "
+                "the archive was changed."
+            )
 
 
 def _program(archived: ArchivedRun) -> PreparedProgram | None:

@@ -71,8 +71,8 @@ def create_competition() -> Response:
     """Make a draft, which the reference entries check at once. Requires the role organiser.
 
     The document is the JSON body, or the part `document` of a multipart form, as JSON or as a TOML
-    file. The form may have a `picture` (PNG or JPEG), the file of a `vehicle` and a
-    `current_record`.
+    file. The form may have a `picture` (PNG or JPEG), the file of a `vehicle`, a
+    `current_record`, and a picture for the `target_texture`.
     """
     user_id = access.require_account(Action.ORGANISE)
     settings = services().settings

@@ -11,16 +11,16 @@ from seamark.competitions.document import DocumentInvalid
 from seamark.server.api.requests import request_body
 from seamark.server.judging import drafts
 from seamark.server.judging.drafts import Draft
-from seamark.server.programs import own_files, vehicles
-from seamark.server.programs.own_files import StoredFile
+from seamark.server.programs import vehicles
 from seamark.server.web import access, uploads
 from seamark.server.web.body_limits import JSON_MAX_BYTES
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.sim.settings.own_files import LIBRARIES
 from seamark.sim.vehicles.toml_reading import TomlRefused, read_toml
 
 DOCUMENT, PICTURE = "document", "picture"  # parts of the form
-_FILES = (PICTURE, vehicles.FIELD, own_files.RECORD)
+_FILES = (PICTURE, vehicles.FIELD, *LIBRARIES)
 _TOML = (".toml", "application/toml")
 
 
@@ -40,17 +40,18 @@ def read() -> Draft:
         raise Problem(
             "unsupported-media-type",
             "Send the document as application/json, or as the part `document` of "
-            "multipart/form-data with the files `picture`, `vehicle` and `current_record`.",
+            f"multipart/form-data with the files {', '.join(_FILES)}.",
         )
     values, file = _document(), request.files.get(vehicles.FIELD)
     picture = request.files.get(PICTURE)
     vehicle = None
     if file is not None:
         vehicle = uploads.store_vehicle(*_opened(file), viewer=access.viewer())
-    record = request.files.get(own_files.RECORD)
-    files: tuple[StoredFile, ...] = ()
-    if record is not None:
-        files = (uploads.store_record(*_opened(record), viewer=access.viewer()),)
+    files = tuple(
+        uploads.store_file(*_opened(request.files[name]), setting=name, viewer=access.viewer())
+        for name in LIBRARIES
+        if name in request.files
+    )
     return drafts.read(
         *(_without_paths(values), settings),
         vehicle=vehicle,

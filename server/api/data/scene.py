@@ -63,7 +63,7 @@ def _view(path: RunPath, query: SceneQuery) -> RunView:
         raise Problem("not-found", f"Run {view.id} has no such trial or level.")
     if scenes.is_held_back(services().settings, view, query.trial):
         raise Problem("not-found", f"Trial {query.trial} of run {view.id} is not shown yet.")
-    # What is drawn for a level also depends on a record of currents.
+    # What is drawn for a level also depends on a record of currents or a target picture.
     if not all(store.size(services().settings, one.sha256) for one in view.files):
-        raise Problem("not-found", f"The record of currents of run {view.id} has been deleted.")
+        raise Problem("not-found", f"A file that run {view.id} needs has been deleted.")
     return view

@@ -13,6 +13,7 @@ from typing import Any
 
 from seamark.competitions import zones
 from seamark.competitions.document import CompetitionDocument, Final, Round, RoundKind
+from seamark.sim.settings.own_files import LIBRARIES
 
 NAME_MAX = 56  # [character] of a suggested name without its version
 # Entry of a document -> field. A field "question" would be asked before the form is sent.
@@ -20,7 +21,7 @@ _TEXTS = {
     name: name
     for name in ("name", "title", "rules", "zone", "programs", "ties", "team_size", "methods")
 } | {"question": "asks"}
-_OTHERS = ("rounds", "picture", "document", "current_record")  # fields that may be wrong too
+_OTHERS = ("rounds", "picture", "document", *LIBRARIES)  # fields that may be wrong too
 _OF_ROUND = ("opens", "closes", "quota", "trials", "board")
 _OF_FINAL = ("opens", "trials", "batches", "finalists", "carry")
 _WEEK = timedelta(days=7)

@@ -33,7 +33,7 @@ from seamark.server.web import (
 from seamark.server.web.problems import Problem
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
-from seamark.sim.physics.water_motion.record import BYTES_MAX as RECORD_MAX_BYTES
+from seamark.sim.settings.own_files import LIBRARIES
 
 PROGRAM_CHOICES: Mapping[Programs, str] = {
     Programs.HIDDEN: "their team alone",
@@ -251,7 +251,7 @@ def _form(
         programs=PROGRAM_CHOICES,
         ties=TIE_CHOICES,
         picture_max=drafts.PICTURE_MAX_BYTES,
-        record_max=RECORD_MAX_BYTES,
+        libraries=LIBRARIES,
         kept=vehicle and {"name": vehicle.name, "token": submitted_vehicle.token(vehicle)},
     )
 

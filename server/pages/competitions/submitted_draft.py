@@ -1,4 +1,4 @@
-"""The draft in a posted form: its fields or a TOML file, with picture, vehicle and record."""
+"""The draft in a posted form: its fields or a TOML file, with picture, vehicle and other files."""
 
 from collections.abc import Mapping
 from typing import Any, BinaryIO, NamedTuple, cast
@@ -23,6 +23,7 @@ from seamark.server.web import template_runs, uploads
 from seamark.server.web.services import services
 from seamark.server.web.template_runs import NoTemplate
 from seamark.sim import registry
+from seamark.sim.settings.own_files import LIBRARIES
 from seamark.sim.settings.setting import schema_extras
 from seamark.sim.vehicles.toml_reading import BYTES_MAX, TomlRefused, read_toml
 
@@ -30,7 +31,7 @@ DOCUMENT, PICTURE = "document", "picture"  # files of the form
 _FILES = {  # entry with the path of a file beside a TOML file -> field of the form
     PICTURE: PICTURE,
     vehicles.FIELD: submitted_vehicle.FILE,
-    own_files.RECORD: own_files.RECORD,
+    **{name: name for name in LIBRARIES},
 }
 REFUSALS = (CompetitionRefused, SubmissionRejected, QuotaExceeded, StorageUnavailable)
 
@@ -116,13 +117,20 @@ def _require_files(values: Mapping[str, Any], brought: StoredVehicle | None) -> 
 def _draft(
     values: Mapping[str, Any], own: StoredVehicle | None, kept: tuple[StoredFile, ...] = ()
 ) -> Draft:
-    file, record = _sent(PICTURE), _sent(own_files.RECORD)
+    file = _sent(PICTURE)
     picture = None if file is None else file.stream.read(drafts.PICTURE_MAX_BYTES + 1)
+    files = {one.setting: one for one in kept}
     try:
-        if record is not None:
-            stream, name = cast(BinaryIO, record.stream), record.filename or ""
-            kept = (uploads.store_record(stream, name, viewer=g.viewer),)
-        return drafts.read(values, services().settings, vehicle=own, picture=picture, files=kept)
+        for setting in LIBRARIES:
+            if (sent := _sent(setting)) is not None:
+                stream, name = cast(BinaryIO, sent.stream), sent.filename or ""
+                files[setting] = uploads.store_file(stream, name, setting=setting, viewer=g.viewer)
+        return drafts.read(
+            *(values, services().settings),
+            vehicle=own,
+            picture=picture,
+            files=tuple(files.values()),
+        )
     except VehicleRejected as rejected:
         raise DocumentInvalid({submitted_vehicle.FILE: rejected.shortened}) from None
     except FileRejected as rejected:

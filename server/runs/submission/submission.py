@@ -23,7 +23,7 @@ from seamark.server.database.engine import after_commit
 from seamark.server.database.tables import Run, RunFile, RunPart
 from seamark.server.messaging import workers
 from seamark.server.programs import own_files, store, vehicles
-from seamark.server.programs.own_files import StoredFile
+from seamark.server.programs.own_files import FileDeleted, StoredFile
 from seamark.server.programs.store import StoredProgram
 from seamark.server.programs.vehicles import StoredVehicle
 from seamark.server.runs.queue import paces
@@ -243,10 +243,8 @@ def files_of(run: Run, settings: Settings) -> tuple[StoredFile, ...]:
     """Return the files that settings of a run name, to be run again; raises as `vehicle_of`."""
     try:
         return own_files.of_run(run, settings)
-    except FileNotFoundError:
-        raise SubmissionRejected(
-            "The record of currents of this run has been deleted.", field=own_files.RECORD
-        ) from None
+    except FileDeleted as deleted:
+        raise SubmissionRejected(str(deleted), field=deleted.setting) from None
 
 
 def _owner(submission: Submission) -> str | None:

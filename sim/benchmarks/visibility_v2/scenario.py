@@ -20,7 +20,7 @@ from seamark.sim.benchmarks.visibility_v2.settings import (
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.optics import Optics
-from seamark.sim.camera.pictures import Cutout
+from seamark.sim.camera.pictures import cutout
 from seamark.sim.camera.seabed import TEXEL_M, TILE
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import Water
@@ -120,12 +120,11 @@ def draw_scenario(config: VisibilityConfiguration, seed: int, trial: int) -> Sce
     seeds = random.scene.integers(SEEDS, size=3).tolist()
     texture = _texture(config, trial)
     tile_m = TILE * TEXEL_M
-    cutout = Cutout(texture, int(share[0] * TILE), int(share[1] * TILE))
     target = Target(
         north_m=tile_m * share[2],
         east_m=tile_m * share[3],
         heading_rad=2.0 * PI * share[4],
-        picture=None if texture == LETTERS else cutout,
+        picture=None if texture == LETTERS else cutout(texture, share[0], share[1]),
     )
     station = tuple(start_pose(OPTICS, target, config.altitude_m).tolist())
     gain = exp(config.light_stops * share[5] * LN_2)

@@ -12,13 +12,13 @@ Every instant has the same heights and the same distance to the next; velocities
 are no gaps: `seamark current` fills or refuses them before it writes such a file.
 """
 
-import hashlib
 import math
 import re
 from dataclasses import dataclass
 
 import numpy as np
 
+from seamark.sim.files.library import FileInvalid
 from seamark.sim.numerics.arrays import Array
 
 BYTES_MAX = 2_000_000
@@ -32,7 +32,7 @@ _NOTES_MAX = 20
 _NUMBERS = 5
 
 
-class RecordInvalid(ValueError):
+class RecordInvalid(FileInvalid):
     """The file is not a record of currents. Its text is written for the user."""
 
 
@@ -112,11 +112,6 @@ def means(velocity: Array, step_s: float, duration_s: float) -> Array:
     sums = np.concatenate([np.zeros((len(velocity), 1)), np.cumsum(middles, axis=1)], axis=1)
     found: Array = (sums[:, window:] - sums[:, :-window]) / window
     return found
-
-
-def sha256(content: bytes) -> str:
-    """Return the SHA-256 of a file, as hexadecimal digits."""
-    return hashlib.sha256(content).hexdigest()
 
 
 def _rows(lines: list[str], first: int) -> Array:

@@ -93,7 +93,7 @@ def test_what_the_starter_comments_out_is_the_default(folder: Path) -> None:
     plain = competition_files.read(Path("cup.toml")).values
     lines = (folder / "cup.toml").read_text().splitlines()
     shown = [line.removeprefix("# ") if " = " in line else line for line in lines]
-    others = ("picture", "vehicle", "current_record", "score")
+    others = (*competition_files.FILES, "score")
     Path("all.toml").write_text("\n".join(line for line in shown if not line.startswith(others)))
     everything = competition_files.read(Path("all.toml")).values
 

@@ -16,7 +16,7 @@ from seamark.sim.physics.water_motion import records
 from tests.cast import Backend
 from tests.server.judging.cup import NAME, Cup, values
 
-SETTING = own_files.RECORD
+SETTING = records.LIBRARY.setting
 
 
 @pytest.fixture
@@ -98,11 +98,11 @@ def test_the_record_is_known_while_something_is_done_for_it_alone(
     settings = cup.backend.settings
 
     with own_files.lent_to(settings, run):
-        assert records.is_known(record.name)
+        assert records.LIBRARY.is_known(record.name)
     with entries.lent(cup.view, settings):
-        assert records.is_known(record.name)
+        assert records.LIBRARY.is_known(record.name)
     assert entries.fixed(cup.view, settings)[SETTING] == record.name
-    assert not records.is_known(record.name)
+    assert not records.LIBRARY.is_known(record.name)
 
 
 def test_the_record_stays_while_the_competition_is_there(cup: Cup, record: StoredFile) -> None:

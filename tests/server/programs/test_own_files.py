@@ -1,7 +1,9 @@
 """Records of currents of users: read in another process, and known here only while lent."""
 
 import io
+import struct
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import closing
 
@@ -10,9 +12,10 @@ import pytest
 from seamark.server.programs import own_files
 from seamark.server.programs.own_files import FileRejected
 from seamark.server.programs.reader import ProgramReader
+from seamark.sim.files import target_pictures
 from seamark.sim.physics.water_motion import records
 from seamark.sim.physics.water_motion.record import BYTES_MAX
-from tests.cast import RECORD, Backend
+from tests.cast import MARKER, RECORD, Backend
 
 OWN_CPU_S = 0.2  # of the process that has a file read: the pipe, and the start of the next reader
 LENT_CPU_S = 2.0  # 0.23 s where it was measured
@@ -60,14 +63,41 @@ def reader() -> Iterator[ProgramReader]:
 
 def read(reader: ProgramReader, content: str | bytes) -> bytes:
     content = content.encode() if isinstance(content, str) else content
-    return reader.read_record(io.BytesIO(content), "my.csv", owner="ann")
+    setting = records.LIBRARY.setting
+    return reader.read_file(io.BytesIO(content), "my.csv", setting=setting, owner="ann")
+
+
+def read_picture(reader: ProgramReader, content: bytes) -> bytes:
+    setting = target_pictures.LIBRARY.setting
+    return reader.read_file(io.BytesIO(content), "my.png", setting=setting, owner="ann")
+
+
+def png(width: int, height: int, rows: bytes) -> bytes:
+    """Return a PNG of 8 bits of grey, whose rows, compressed, may be of another size."""
+    parts = [(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))]
+    parts += [(b"IDAT", rows), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in parts
+    )
+
+
+def zeros(count: int) -> bytes:
+    """Return that many bytes 0, compressed by a thousand."""
+    packer = zlib.compressobj(9)
+    chunks = [packer.compress(bytes(1 << 20)) for _ in range(count >> 20)]
+    return b"".join(chunks) + packer.flush()
+
+
+# Side [px] and size [byte]: a bit too large, more than a reader's memory, and what OpenCV refuses.
+BOMBS = {"20 MB": (4_500, 20 << 20), "1 GB": (30_000, 901 << 20), "2^60": (1 << 30, 1 << 20)}
 
 
 def test_a_record_is_read_without_being_known_here(reader: ProgramReader) -> None:
     content = read(reader, RECORD)
 
     assert content == RECORD.encode()
-    assert not records.is_known(records.name_of(content))
+    assert not records.LIBRARY.is_known(records.LIBRARY.name_of(content))
 
 
 @pytest.mark.parametrize("attack", HOSTILE)
@@ -82,7 +112,37 @@ def test_a_hostile_record_is_refused_and_costs_this_process_nothing(
         read(reader, content)
 
     assert time.process_time() - before < OWN_CPU_S
-    assert caught.value.field == own_files.RECORD
+    assert caught.value.field == records.LIBRARY.setting
+
+
+def test_a_picture_is_kept_as_grey_levels(reader: ProgramReader) -> None:
+    content = read_picture(reader, MARKER)
+
+    assert content == target_pictures.LIBRARY.converted(MARKER)
+    assert not target_pictures.LIBRARY.is_known(target_pictures.LIBRARY.name_of(content))
+
+
+@pytest.mark.parametrize("bomb", BOMBS)
+def test_a_picture_that_expands_is_refused_and_costs_this_process_nothing(
+    reader: ProgramReader, bomb: str
+) -> None:
+    side, size = BOMBS[bomb]
+    content = png(side, side, zeros(size))
+    before = time.process_time()
+
+    with pytest.raises(FileRejected, match=r"can be decoded|at most 4096|too much") as caught:
+        read_picture(reader, content)
+
+    assert time.process_time() - before < OWN_CPU_S
+    assert caught.value.field == "target_texture"
+
+
+def test_the_largest_picture_is_read(reader: ProgramReader) -> None:
+    """With the memory and the time that the process that reads it has."""
+    row = b"\0" + bytes(range(256)) * 16
+    content = png(4096, 4096, zlib.compress(row * 4096))
+
+    assert target_pictures.read(read_picture(reader, content)).std() > 50.0
 
 
 @pytest.mark.slow
@@ -91,18 +151,20 @@ def test_the_largest_record_that_is_accepted_is_known_within_a_moment(
 ) -> None:
     content = read(reader, largest())
     before = time.process_time()
-    with records.lending(content) as name:
-        assert records.is_known(name)
+    with records.LIBRARY.lending(content) as name:
+        assert records.LIBRARY.is_known(name)
 
     assert time.process_time() - before < LENT_CPU_S
 
 
 def test_a_record_that_was_changed_in_the_store_is_not_used(backend: Backend) -> None:
     record = backend.store_record()
-    run = backend.show(backend.queue(files=(record,), config={own_files.RECORD: record.name}))
+    run = backend.show(
+        backend.queue(files=(record,), config={records.LIBRARY.setting: record.name})
+    )
     file = backend.settings.data / "programs" / record.sha256
     file.write_bytes(record.content.replace(b"A test", b"A tess"))
 
     with own_files.lent_to(backend.settings, run):
-        assert not records.is_known(record.name)
+        assert not records.LIBRARY.is_known(record.name)
     assert own_files.contents_of(run, backend.settings) == {}

@@ -10,8 +10,9 @@ import pytest
 
 from seamark.server.accounts import audit
 from seamark.server.accounts.audit import AuditFilter
+from seamark.sim.files import target_pictures
 from seamark.sim.physics.water_motion import records
-from tests.cast import RECORD, VEHICLE
+from tests.cast import MARKER, RECORD, VEHICLE
 from tests.server.api.conftest import Site
 from tests.server.judging.cup import DAY_S, NAME, QUALIFICATION, Cup, values
 
@@ -82,7 +83,23 @@ def test_a_draft_comes_with_a_record_of_currents(hall: Site) -> None:
     assert name == f"record@{sha256[:16]}"
     assert without["files"] == {}
     assert alone.status_code == 422  # the web process has forgotten it
-    assert not records.is_known(name)
+    assert not records.LIBRARY.is_known(name)
+
+
+def test_a_draft_comes_with_a_picture_on_its_target(hall: Site) -> None:
+    files = {"target_texture": (MARKER, "marker.pgm")}
+    vision = values(benchmark="visibility-v2", settings={})
+    made = hall.call("olga", "POST", API, **form(vision, **files))
+    other = hall.call("olga", "PUT", f"{API}/{NAME}", **form(**files))
+
+    kept = target_pictures.LIBRARY.converted(MARKER)
+    document = made.get_json()
+    assert document["files"] == {"target_texture": hashlib.sha256(kept).hexdigest()}
+    name = target_pictures.LIBRARY.name_of(kept)
+    assert document["document"]["settings"]["target_texture"] == name
+    assert not target_pictures.LIBRARY.is_known(name)
+    (error,) = other.get_json()["errors"]
+    assert error["detail"] == "currents-v1 has no target texture to choose."
 
 
 def test_a_document_may_be_a_toml_file(hall: Site) -> None:
@@ -100,7 +117,7 @@ def test_a_document_may_name_the_files_that_are_sent_with_it(hall: Site) -> None
     both["picture"] = (io.BytesIO(PNG), "cup.png")
     refused = hall.call("olga", "POST", API, data=alone)
     made = hall.call("olga", "POST", API, data=both)
-    names = {"vehicle": "mine.toml", "current_record": "ria.csv"}
+    names = {"vehicle": "mine.toml", "current_record": "ria.csv", "target_texture": "a.png"}
     body = hall.call("olga", "PUT", f"{API}/{NAME}", json=values(**names))
 
     assert [each["field"] for each in refused.get_json()["errors"]] == ["picture"]

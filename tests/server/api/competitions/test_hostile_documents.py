@@ -177,6 +177,21 @@ def test_a_record_that_is_none_is_refused(hall: Site, record: bytes, sentence: s
     assert sentence in error["detail"]
 
 
+@pytest.mark.parametrize(
+    ("picture", "sentence"),
+    [(PNG, "can be decoded"), (b"P5\n400 124\n255\n" + bytes(49_600), "no contrast")],
+)
+def test_a_picture_that_covers_no_target_is_refused(
+    hall: Site, picture: bytes, sentence: str
+) -> None:
+    answer = sent_with(hall, target_texture=FileStorage(io.BytesIO(picture), "a.png"))
+
+    assert answer.status_code == 422
+    (error,) = answer.get_json()["errors"]
+    assert error["field"] == "target_texture"
+    assert sentence in error["detail"]
+
+
 def test_a_form_without_a_document_or_of_another_kind_is_refused(hall: Site) -> None:
     form = hall.call("olga", "POST", API, data={"picture": (io.BytesIO(PNG), "a.png")})
     text = hall.call("olga", "POST", API, data=b"name = 1", content_type="application/toml")

@@ -179,4 +179,4 @@ def test_the_scene_of_a_run_in_a_users_record_needs_the_record(site: Site) -> No
 
     assert there.get_json()["route"]["points"]
     assert gone.status_code == 404
-    assert not records.is_known(record.name)
+    assert not records.LIBRARY.is_known(record.name)

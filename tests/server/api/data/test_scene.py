@@ -14,6 +14,7 @@ from seamark.server.runs.showing.scene import vehicle_shape, work_shape
 from seamark.sim import registry
 from seamark.sim.benchmarks.intervention.box import RAISED_M, BoxDraw, workpiece
 from seamark.sim.camera.seabed import TILE, texels
+from seamark.sim.files import target_pictures
 from seamark.sim.metrics import recovery
 from seamark.sim.multibody.assembly import Mounting
 from seamark.sim.recording.telemetry import ARM_INDEX, INDEX, WORK_INDEX, Rows, width_for
@@ -285,6 +286,19 @@ def test_letters_are_in_the_colour_of_the_box_that_the_arm_takes(site: Site) -> 
 
     assert yellow > 2.0
     assert black < 1.5
+
+
+def test_the_target_shows_the_picture_of_its_organiser(site: Site) -> None:
+    picture = site.store_picture()
+    config = {"target_texture": picture.name}
+    sent: dict[str, Any] = {"benchmark": "visibility-v2", "controller": "built-in"}
+    run_id = site.succeeded(**sent, config=config, files=(picture,))
+    texture = f"/api/v1/runs/{run_id}/texture.jpg?part=target"
+    shown = pixels(site.call("owner", "GET", texture).data).mean(axis=2)
+    grey = cv2.resize(target_pictures.read(picture.content), shown.shape[::-1])
+
+    assert np.corrcoef(shown.ravel(), grey.ravel())[0, 1] > 0.9
+    assert not target_pictures.LIBRARY.is_known(picture.name)
 
 
 def test_the_vehicles_camera_sees_the_box_rise(site: Site) -> None:

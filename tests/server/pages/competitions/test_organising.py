@@ -13,7 +13,7 @@ import pytest
 from seamark.server.competitions import competitions
 from seamark.server.competitions.competitions import CompetitionView
 from seamark.server.pages.competitions import draft_form
-from tests.cast import RECORD, VEHICLE
+from tests.cast import MARKER, RECORD, VEHICLE
 from tests.server.judging.cup import NAME, Cup
 from tests.server.pages.conftest import Site
 
@@ -96,6 +96,7 @@ def test_the_form_begins_with_practice_qualification_and_final(site: Site) -> No
         ({"picture": file(b"GIF89a", "a.gif")}, "picture", "must be a PNG or JPEG file"),
         ({"vehicle_file": file(b"x = 1", "v.toml")}, "vehicle_file", ""),
         ({"current_record": file(b"x,y", "r.csv")}, "current_record", "begins with"),
+        ({"target_texture": file(b"x,y", "a.png")}, "target_texture", "can be decoded"),
         ({"document": file(b"title = ", "c.toml")}, "document", "not valid TOML"),
         ({"document": file(b'title = "T"\n', "c.toml")}, "document", "name: Field required."),
     ],
@@ -214,6 +215,23 @@ closes = "{at(2)}"
     assert made.has_picture
     assert made.vehicle_sha256 is not None
     assert set(made.files) == {"current_record"}
+
+
+def test_a_draft_of_the_form_has_a_picture_on_its_target(site: Site) -> None:
+    sent = form(benchmark="visibility-v2", target_texture=file(MARKER, "a.pgm"))
+    site.browser("olga").post("/competitions/new", sent, content_type="multipart/form-data")
+    made = found(site)
+    assert made is not None
+    before = made.files
+
+    again = draft_form.of_document(made.document) | {"source": "kept", "title": "Cup of rivers"}
+    site.browser("olga").post(f"{PAGE}/change", again)
+    made = found(site)
+
+    assert made is not None
+    assert made.document.title == "Cup of rivers"
+    assert set(made.files) == {"target_texture"}
+    assert made.files == before
 
 
 def test_a_draft_keeps_the_files_of_its_organiser(site: Site) -> None:

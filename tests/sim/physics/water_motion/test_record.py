@@ -1,5 +1,6 @@
 """The file of a record says exactly what a run gets, and nothing else is taken."""
 
+import hashlib
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -13,7 +14,6 @@ from seamark.sim.physics.water_motion.record import (
     FIRST_LINE,
     RecordInvalid,
     read_record,
-    sha256,
     write_record,
 )
 from seamark.sim.registry import benchmark
@@ -77,14 +77,14 @@ def test_any_bytes_are_a_record_or_refused(content: bytes) -> None:
 
 def test_a_users_record_is_known_by_its_digest_alone() -> None:
     content = (HEAD + body()).encode()
-    assert not records.is_known("record@0123456789abcdef")
+    assert not records.LIBRARY.is_known("record@0123456789abcdef")
 
-    name = records.add(content)
+    name = records.LIBRARY.add(content)
 
-    assert records.is_own(name)
-    assert records.is_known(name)
+    assert records.LIBRARY.is_own(name)
+    assert records.LIBRARY.is_known(name)
     assert records.load(name).title == "A test"
-    file = records.file_of(name)
+    file = records.LIBRARY.file_of(name)
     assert file is not None
     assert file.text.encode() == content
     assert file.sha256.startswith(name.partition("@")[2])
@@ -92,20 +92,23 @@ def test_a_users_record_is_known_by_its_digest_alone() -> None:
 
 def test_a_lent_record_is_known_to_this_thread_and_only_meanwhile() -> None:
     content = (HEAD.replace("A test", "Lent") + body()).encode()
-    with ThreadPoolExecutor(1) as other, records.lending(content) as name:
-        assert records.is_known(name)
+    with ThreadPoolExecutor(1) as other, records.LIBRARY.lending(content) as name:
+        assert records.LIBRARY.is_known(name)
         assert records.load(name).title == "Lent"
-        assert records.file_of(name) == (sha256(content), content.decode())
-        assert not other.submit(records.is_known, name).result()
+        assert records.LIBRARY.file_of(name) == (
+            hashlib.sha256(content).hexdigest(),
+            content.decode(),
+        )
+        assert not other.submit(records.LIBRARY.is_known, name).result()
 
-    assert not records.is_known(name)
-    assert records.file_of(name) is None
+    assert not records.LIBRARY.is_known(name)
+    assert records.LIBRARY.file_of(name) is None
     with pytest.raises(LookupError):
         records.load(name)
 
 
 def test_a_benchmark_takes_a_lent_record_and_refuses_it_afterwards() -> None:
-    with records.lending((HEAD + body()).encode().replace(b"A test", b"Taken")) as name:
+    with records.LIBRARY.lending((HEAD + body()).encode().replace(b"A test", b"Taken")) as name:
         assert benchmark("currents-v2").read({"current_record": name})
     with pytest.raises(ConfigurationInvalid, match="current_record"):
         benchmark("currents-v2").read({"current_record": name})

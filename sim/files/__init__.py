@@ -1,0 +1,1 @@
+"""Files that users bring in place of a choice of a setting."""
