@@ -119,7 +119,7 @@ class Library(Generic[T]):
             None can be made of it, or it breaks a rule.
         """
         if len(content) > self.bytes_max:
-            raise FileInvalid(f"The file may have at most {self.bytes_max / 1e6:g} MB.")
+            raise FileInvalid(f"The file may have at most {self.bytes_max / 2**20:.3g} MiB.")
         kept = content if self._converted is None else self._converted(content)
         self._read(kept)
         return kept

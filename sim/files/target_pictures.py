@@ -77,7 +77,7 @@ LIBRARY = Library(
     mark="picture",
     entry="target_file",
     suffixes=SUFFIXES,
-    bytes_max=4_000_000,  # of the picture from which one is made
+    bytes_max=4 << 20,  # of the picture from which one is made
     read=read,
     converted=_converted,
 )

@@ -94,7 +94,7 @@ HOSTILE: dict[str, tuple[Callable[[], bytes], str]] = {
     "nothing": (lambda: b"", "can be decoded"),
     "text": (lambda: b"grey " * 1000, "can be decoded"),
     "half of one": (lambda: encoded(stripes(300, 900))[:40], "can be decoded"),
-    "too many bytes": (lambda: bytes(LIBRARY.bytes_max + 1), "at most 4 MB"),
+    "too many bytes": (lambda: bytes(LIBRARY.bytes_max + 1), "at most 4 MiB"),
     "too wide": (lambda: encoded(stripes(100, 5000)), "at most 4096 px"),
     "too small": (lambda: encoded(stripes(61, 300)), "at least 200 x 62"),
     "too narrow": (lambda: encoded(stripes(900, 199)), "at least 200 x 62"),
