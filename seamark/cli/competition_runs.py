@@ -17,6 +17,7 @@ def recomputed(audit: Audit, *, quiet: bool) -> Iterator[Finding]:
     """Yield a finding for each run that needs no program but Seamark, as soon as it is computed."""
     from seamark.competitions.findings import Finding, Level
     from seamark.sim import registry
+    from seamark.sim.settings import own_files
 
     if audit.benchmark not in registry.BENCHMARKS:
         text = f"No run was computed again: there is no benchmark {audit.benchmark} here."
@@ -25,6 +26,15 @@ def recomputed(audit: Audit, *, quiet: bool) -> Iterator[Finding]:
     runs = [entry for entry in audit.entries if _is_built_in(audit, entry)]
     if not runs:
         yield Finding(Level.WARNING, "No run was computed again: each needs a program.")
+        return
+    for setting, text in audit.files.items():
+        try:
+            own_files.add(setting, text.encode())
+        except own_files.INVALID as reason:
+            yield Finding(
+                Level.PROBLEM, f"The file of the setting {setting} cannot be used: {reason}"
+            )
+            return
     for entry in runs:
         yield _recomputed(audit, entry, quiet=quiet)
 

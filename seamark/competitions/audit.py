@@ -24,6 +24,7 @@ from seamark.competitions.keys import commitment, final_label, seed
 from seamark.competitions.standings import Finalist, Placing, Standings, decide
 from seamark.sim import registry
 from seamark.sim.numerics.statistics import mean
+from seamark.sim.settings import own_files
 
 # Pairs of finalists times trials that the standings of all batches take: some ten seconds. A final
 # of 200 finalists with five batches of 24 trials has 7e6.
@@ -45,7 +46,7 @@ def verify(document: Mapping[str, Any]) -> list[Finding]:
     entries: dict[int, list[Entry]] = defaultdict(list)
     for entry in audit.entries:
         entries[entry.round].append(entry)
-    findings = [_frozen(audit), *_plan(audit)]
+    findings = [_frozen(audit), *_plan(audit), *_files(audit)]
     for each in audit.rounds:
         findings += _keys(audit, each, entries[each.number])
         findings += _runs(each, entries[each.number])
@@ -85,6 +86,27 @@ def _plan(audit: Audit) -> Iterator[Finding]:
         yield _problem(f"Not as in the frozen document: {', '.join(differing)}.")
     else:
         yield _good("Names, rounds and rules are those of the frozen document.")
+
+
+def _files(audit: Audit) -> Iterator[Finding]:
+    """Whether the organiser's files are those that settings name by the start of their SHA-256."""
+    settings = audit.frozen.get("settings")
+    named = {
+        name: value
+        for name, value in (settings if isinstance(settings, dict) else {}).items()
+        if own_files.is_own(name, value)
+    }
+    if differing := sorted(audit.files.keys() - named.keys()):
+        yield _problem(f"No setting names the file that is here for {', '.join(differing)}.")
+    for name, value in sorted(named.items()):
+        if name not in audit.files:
+            yield Finding(
+                Level.WARNING, f"The file of the setting {name} is not here: its runs need it."
+            )
+        elif own_files.is_named(value, audit.files[name].encode()):
+            yield _good(f"The file of the setting {name} is {value}.")
+        else:
+            yield _problem(f"The file of the setting {name} is another one than {value}.")
 
 
 def _differing(frozen: CompetitionDocument, played: Round) -> Iterator[str]:

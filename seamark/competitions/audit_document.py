@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from seamark.competitions.document import RoundKind, digest_of
 from seamark.competitions.standings import Placing, Ties
+from seamark.sim.settings import own_files
 
 FORMAT = "seamark competition audit 1"
 BYTES_MAX = 32 * 2**20  # of the file: 5000 runs of 24 trials with 150 settings have 18 MiB
@@ -23,6 +24,7 @@ ENTRIES_MAX = 50_000
 TRIALS_MAX = 1000  # of a run
 TEXT_MAX = 500  # [character]
 DEPTH_MAX = 20  # of objects and lists within each other
+FILE_BYTES_MAX = 4 * 2**20  # of the organiser: a record of currents has at most half of it
 _WHOLE_MAX = 2**63 - 1
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _Value = TypeVar("_Value")
@@ -96,6 +98,7 @@ class Audit:
     benchmark: str  # the base
     frozen: Mapping[str, Any]  # CompetitionDocument.canonical
     frozen_sha256: str
+    files: Mapping[str, str]  # setting -> text of the organiser's own file that it names
     rounds: Sequence[Round]
     entries: Sequence[Entry]
     standings: Decision | None  # of the final; None before its end
@@ -149,6 +152,7 @@ def read(document: Mapping[str, Any]) -> Audit:
         benchmark=fields.text("benchmark"),
         frozen=fields.object("frozen"),
         frozen_sha256=fields.sha256("frozen_sha256"),
+        files=_files(_Fields(fields.take("files"), "files")),
         rounds=[
             _round(_Fields(each, f"round {at}"))
             for at, each in enumerate(fields.list("rounds", ROUNDS_MAX), 1)
@@ -186,6 +190,16 @@ def _round(fields: "_Fields") -> Round:
         raise AuditInvalid(f"{fields.where}: the check of a draft belongs to no audit")
     if read.trials % read.block:
         raise AuditInvalid(f"{fields.where}: {read.trials} trials are no blocks of {read.block}")
+    return read
+
+
+def _files(fields: "_Fields") -> dict[str, str]:
+    read = {
+        setting: fields.content(setting, FILE_BYTES_MAX)
+        for setting in own_files.SETTINGS
+        if fields.has(setting)
+    }
+    fields.end()
     return read
 
 
@@ -287,6 +301,9 @@ class _Fields:
             raise AuditInvalid(f"{self.where} has no field {name}")
         return self._left.pop(name)
 
+    def has(self, name: str) -> bool:
+        return name in self._left
+
     def end(self) -> None:
         if self._left:
             name = str(next(iter(self._left)))[:TEXT_MAX]
@@ -303,6 +320,16 @@ class _Fields:
         # Printable: no half of a surrogate pair, which no UTF-8 can have, and no control characters
         if not (isinstance(value, str) and 0 < len(value) <= TEXT_MAX and value.isprintable()):
             self._refuse(name, f"no printable text of 1 to {TEXT_MAX} characters")
+        return str(value)
+
+    def content(self, name: str, most: int) -> str:
+        value = self.take(name)
+        try:
+            fits = isinstance(value, str) and len(value.encode()) <= most
+        except UnicodeEncodeError:  # half of a surrogate pair
+            fits = False
+        if not fits:
+            self._refuse(name, f"no text of at most {most} bytes")
         return str(value)
 
     def sha256(self, name: str) -> str:

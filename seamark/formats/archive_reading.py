@@ -31,15 +31,13 @@ from seamark.formats.archive import (
 from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
-from seamark.sim.files.target_pictures import BYTES_MAX as TARGET_BYTES
-from seamark.sim.physics.water_motion.record import BYTES_MAX as CURRENT_BYTES
 from seamark.sim.recording.telemetry import Rows
-from seamark.sim.vehicles.toml_reading import BYTES_MAX as VEHICLE_BYTES
 
 FILES_MAX = 100  # in an archive
 DIRECTORY_BYTES = 64 * 1024  # of the list of them, which is read at once
 DOCUMENT_BYTES = 16 * 2**20  # of a JSON document
 PROGRAM_BYTES = 64 * 2**20
+OWN_FILE_CHARACTERS = 2**21  # the largest, a record of currents, has 2 MB
 LINE_CHARACTERS = 16384  # of a row: 100 columns take an eighth
 TRIALS_MAX = 100
 _METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
@@ -52,31 +50,13 @@ class ArchiveRefused(Exception):
     """It is not the archive of a run that can be computed again. The text is for the user."""
 
 
-class VehicleFile(BaseModel):
-    """The file of a user's own vehicle, and its SHA-256."""
+class OwnFile(BaseModel):
+    """A file of the user's own that a setting names, and its SHA-256."""
 
     model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
 
     sha256: Sha256
-    text: str = Field(max_length=VEHICLE_BYTES)
-
-
-class CurrentFile(BaseModel):
-    """The file of a user's own record of currents, and its SHA-256."""
-
-    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
-
-    sha256: Sha256
-    text: str = Field(max_length=CURRENT_BYTES)
-
-
-class TargetFile(BaseModel):
-    """The file of a user's own picture on the target, and its SHA-256."""
-
-    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
-
-    sha256: Sha256
-    text: str = Field(max_length=TARGET_BYTES)
+    text: str = Field(max_length=OWN_FILE_CHARACTERS)
 
 
 class Manifest(BaseModel):
@@ -99,9 +79,9 @@ class Manifest(BaseModel):
     contacts: str = Field(max_length=100)
     cpu: dict[str, str] = Field(default_factory=dict)
     same_bits_on_every_cpu: bool = True
-    vehicle_file: VehicleFile | None = None
-    current_file: CurrentFile | None = None
-    target_file: TargetFile | None = None
+    vehicle_file: OwnFile | None = None
+    current_file: OwnFile | None = None
+    target_file: OwnFile | None = None
 
     def trial_seeds(self) -> tuple[int, ...]:
         """Return the seed of each trial; raises ArchiveRefused if they are hidden."""

@@ -17,12 +17,15 @@ from seamark.server.competitions import teams
 from seamark.server.competitions.competitions import CompetitionView, RoundView
 from seamark.server.database.competition_tables import Entry
 from seamark.server.database.tables import Result, Run
+from seamark.server.judging import entries as organisers
 from seamark.server.judging import finals
+from seamark.server.programs import vehicles
 from seamark.server.runs.record import run_parts, seeds
 from seamark.server.runs.record.trial_scores import block_of
+from seamark.server.settings import Settings
 
 
-def audit_of(session: Session, competition: CompetitionView) -> dict[str, Any]:
+def audit_of(session: Session, competition: CompetitionView, settings: Settings) -> dict[str, Any]:
     """Return the audit document of a competition, as JSON values."""
     rounds = [_round(competition, one) for one in competition.rounds]
     decided = [one for one in competition.rounds if one.decided_at is not None]
@@ -36,11 +39,21 @@ def audit_of(session: Session, competition: CompetitionView) -> dict[str, Any]:
             benchmark=competition.document.benchmark,
             frozen=competition.document.canonical(),
             frozen_sha256=competition.digest,
+            files=_files(competition, settings) if decided else {},
             rounds=rounds,
             entries=entries,
             standings=_decision(session, competition) if has_ended else None,
         )
     )
+
+
+def _files(competition: CompetitionView, settings: Settings) -> dict[str, str]:
+    """Return setting -> text of the organiser's own files, without which nothing runs again."""
+    found = {one.setting: one.content for one in organisers.files_of(competition, settings)}
+    vehicle = organisers.vehicle_of(competition, settings)
+    if vehicle is not None:
+        found[vehicles.FIELD] = vehicle.content
+    return {setting: content.decode("utf-8") for setting, content in found.items()}
 
 
 def _round(competition: CompetitionView, one: RoundView) -> audit_document.Round:

@@ -53,7 +53,8 @@ def archive(
         with database.reading() as session:
             tables = [_board(session, competition, one) for one in competition.rounds]
             described = _described(session, competition, tables[-1])
-            file.writestr("audit.json", export.as_json(audit_file.audit_of(session, competition)))
+            audit = audit_file.audit_of(session, competition, settings)
+            file.writestr("audit.json", export.as_json(audit))
             picture = competitions.picture(session, competition.id)
             runs = _runs(session, competition)
         if picture is not None:

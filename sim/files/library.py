@@ -19,6 +19,11 @@ _KEPT = 4  # of the files read last, of which each takes at most a few MB
 T = TypeVar("T")
 
 
+def name_digits(content: bytes) -> str:
+    """Return the end of the name of a file: the start of its SHA-256."""
+    return hashlib.sha256(content).hexdigest()[:_HASH_DIGITS]
+
+
 class FileInvalid(ValueError):
     """A file of a user's breaks a rule. Its text is written for the user."""
 
@@ -126,7 +131,7 @@ class Library(Generic[T]):
 
     def name_of(self, content: bytes) -> str:
         """Return the name by which the setting chooses a file."""
-        return self._mark + hashlib.sha256(content).hexdigest()[:_HASH_DIGITS]
+        return self._mark + name_digits(content)
 
     def is_own(self, name: object) -> bool:
         """Return whether a value of the setting names a file, known here or not."""

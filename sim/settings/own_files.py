@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 from seamark.sim.files import target_pictures
-from seamark.sim.files.library import FileInvalid, Library
+from seamark.sim.files.library import FileInvalid, Library, name_digits
 from seamark.sim.physics.water_motion import records
 from seamark.sim.vehicles import own
 from seamark.sim.vehicles.reading import VehicleInvalid
@@ -14,6 +14,21 @@ INVALID = (VehicleInvalid, FileInvalid)  # what the functions here raise of a fi
 LIBRARIES: Mapping[str, Library[Any]] = {  # of all but vehicles, which have names of their own
     one.setting: one for one in (records.LIBRARY, target_pictures.LIBRARY)
 }
+
+
+SETTINGS = (own.SETTING, *LIBRARIES)
+
+
+def is_own(setting: str, value: object) -> bool:
+    """Return whether a setting names a file of a user's, known here or not."""
+    if setting == own.SETTING:
+        return own.is_own(value)
+    return setting in LIBRARIES and LIBRARIES[setting].is_own(value)
+
+
+def is_named(name: str, content: bytes) -> bool:
+    """Return whether the name of a user's file is that of this content, which may be none."""
+    return name.rpartition("@")[2] == name_digits(content)
 
 
 def add(setting: str, content: bytes) -> str:

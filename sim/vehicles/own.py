@@ -14,6 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
+from seamark.sim.files.library import TextFile, name_digits
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import Vehicle, added, lent, load
 from seamark.sim.vehicles.plausibility import findings
@@ -23,15 +24,7 @@ from seamark.sim.vehicles.toml_reading import BYTES_MAX
 SUFFIX = ".toml"
 SETTING = "vehicle"
 _MARK = "@"
-_HASH_DIGITS = 16
 _KEPT = 16  # vehicles of which each is at most a few hundred KiB
-
-
-class VehicleFile(NamedTuple):
-    """What a manifest has of a user's own vehicle."""
-
-    sha256: str
-    text: str
 
 
 class OwnVehicle(NamedTuple):
@@ -39,11 +32,11 @@ class OwnVehicle(NamedTuple):
 
     name: str
     vehicle: Vehicle
-    file: VehicleFile
+    file: TextFile
 
 
-_FILES: dict[str, VehicleFile] = {}
-_LENT_FILES: ContextVar[Mapping[str, VehicleFile]] = ContextVar(
+_FILES: dict[str, TextFile] = {}
+_LENT_FILES: ContextVar[Mapping[str, TextFile]] = ContextVar(
     "_LENT_FILES", default=MappingProxyType({})
 )
 
@@ -87,7 +80,7 @@ def usable(content: bytes) -> OwnVehicle:
     errors = [finding.text for finding in findings(vehicle) if finding.grade == "error"]
     if errors:
         raise VehicleInvalid(errors)
-    file = VehicleFile(hashlib.sha256(content).hexdigest(), content.decode("utf-8"))
+    file = TextFile(hashlib.sha256(content).hexdigest(), content.decode("utf-8"))
     return OwnVehicle(name_of(vehicle, content), vehicle, file)
 
 
@@ -109,7 +102,7 @@ def read(content: bytes) -> Vehicle:
 
 def name_of(vehicle: Vehicle, content: bytes) -> str:
     """Return the name by which settings choose the vehicle of a file."""
-    return f"{vehicle.name}{_MARK}{hashlib.sha256(content).hexdigest()[:_HASH_DIGITS]}"
+    return f"{vehicle.name}{_MARK}{name_digits(content)}"
 
 
 def is_own(name: object) -> bool:
@@ -117,7 +110,7 @@ def is_own(name: object) -> bool:
     return isinstance(name, str) and _MARK in name
 
 
-def file_of(name: object) -> VehicleFile | None:
+def file_of(name: object) -> TextFile | None:
     """Return the file of a vehicle that was added or lent; None for any other value."""
     if not isinstance(name, str):
         return None

@@ -93,8 +93,9 @@ def embed(name: str) -> ResponseReturnValue:
 def audit(name: str) -> ResponseReturnValue:
     """Send what anybody needs to check a competition, as far as its rounds are decided."""
     competition = competition_access.shown(name)
-    with services().database.reading() as session:
-        text = as_json(audit_file.audit_of(session, competition))
+    held = services()
+    with held.database.reading() as session:
+        text = as_json(audit_file.audit_of(session, competition, held.settings))
     return _attachment(Response(text, mimetype="application/json"), f"{name}-audit.json")
 
 

@@ -9,7 +9,9 @@ from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
 from seamark.sim import registry
+from seamark.sim.physics.water_motion import records
 from seamark.worker.evaluation.local import evaluate_locally
+from tests.cast import RECORD
 from tests.seamark.competitions.audits import document
 
 
@@ -36,7 +38,7 @@ def test_what_is_wrong_is_printed_with_exit_code_1(tmp_path: Path) -> None:
 
     assert result.exit_code == 1
     assert result.stdout.startswith("problem The frozen document does not have the SHA-256")
-    assert "\n1 of 18 checks found something wrong; see above.\n" in result.stdout
+    assert "\n1 of 19 checks found something wrong; see above.\n" in result.stdout
 
 
 def test_warnings_alone_leave_a_file_sound(tmp_path: Path) -> None:
@@ -147,6 +149,31 @@ def test_a_run_that_cannot_be_computed_here_is_said(
 
     assert found["level"] == "warning"
     assert found["sentence"].startswith(sentence)
+
+
+@pytest.mark.slow
+def test_a_run_in_the_organisers_record_is_computed_with_the_file_in_the_audit(
+    tmp_path: Path,
+) -> None:
+    short = {"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0}
+    with records.LIBRARY.lending(RECORD.encode()) as name:
+        config = registry.benchmark("currents-v1").read(short | {"current_record": name})
+        values = config.model_dump(mode="json")
+        outcome = evaluate_locally("currents-v1", values, seed=5, trials=2, controller="pi")
+    assert outcome.metrics is not None
+    submitted = {"benchmark": "currents-v1", "configuration": values, "controller": "pi"}
+    run = {"run": 7, "seed": 5, "digest": outcome.digest, "submitted": submitted}
+    run["scores"] = [trial["score"] for trial in outcome.metrics["trials"]]
+    audit = of_run(document(), **run)
+
+    without = recomputed(tmp_path, audit | {"files": {}})
+    broken = recomputed(tmp_path, audit | {"files": {"current_record": "x"}})
+    whole = recomputed(tmp_path, audit)
+
+    assert (without["level"], broken["level"]) == ("warning", "problem")
+    assert without["sentence"].startswith("Run 7 (PI, round 1) cannot be computed again here: ")
+    assert broken["sentence"].startswith("The file of the setting current_record cannot be used:")
+    assert whole["sentence"].endswith(f"computed again, is the same: {outcome.digest}.")
 
 
 def test_runs_of_a_benchmark_of_a_later_version_are_not_computed(tmp_path: Path) -> None:

@@ -16,8 +16,11 @@ from seamark.competitions.document import read as read_document
 from seamark.competitions.keys import commitment, final_label, round_key, seed
 from seamark.competitions.standings import Finalist, Ties, decide
 from seamark.sim.numerics.statistics import mean
+from seamark.sim.physics.water_motion import records
+from tests.cast import RECORD
 
 NAME = "reef-v1"
+RECORD_NAME = records.LIBRARY.name_of(RECORD.encode())  # the organiser's
 TRIALS, BATCHES = 6, 2
 KINDS = (RoundKind.PRACTICE, RoundKind.QUALIFICATION, RoundKind.FINAL)
 LENGTH_S = 999.0
@@ -42,10 +45,11 @@ def frozen() -> dict[str, Any]:
         "name": NAME,
         "title": "A reef in a current",
         "benchmark": "currents-v1",
-        "settings": {"levels": [0.0, 0.2]},
+        "settings": {"levels": [0.0, 0.2], "current_record": RECORD_NAME},
         "rounds": [*rounds, final],
     }
-    return read_document(asked).canonical()
+    with records.LIBRARY.lending(RECORD.encode()):
+        return read_document(asked).canonical()
 
 
 def round_of(number: int) -> Round:
@@ -122,6 +126,7 @@ def small() -> Audit:
         benchmark="currents-v1",
         frozen=frozen(),
         frozen_sha256=digest_of(frozen()),
+        files={"current_record": RECORD},
         rounds=[round_of(number) for number in (1, 2, 3)],
         entries=[entry(1, 1, scores), entry(2, 21, scores), entry(2, 24, None), *final, *marks],
         standings=Decision(

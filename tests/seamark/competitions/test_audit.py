@@ -14,7 +14,7 @@ from seamark.competitions.audit_document import AuditInvalid, as_document, load,
 from seamark.competitions.document import digest_of
 from seamark.competitions.findings import Level
 from seamark.competitions.standings import Standings, Ties
-from tests.seamark.competitions.audits import document, small
+from tests.seamark.competitions.audits import RECORD_NAME, document, small
 
 Path = tuple[str | int, ...]
 # What follows from nothing else in the document: what the service says.
@@ -82,7 +82,8 @@ def test_a_document_in_which_everything_is_right_has_only_good_findings() -> Non
     assert "Round 3 (final): in each of 10 runs, the seed follows from the key." in {
         each.sentence for each in findings
     }
-    assert findings[3].sentence == "Round 1 (practice): in 1 run, the seed follows from the key."
+    assert findings[2].sentence == f"The file of the setting current_record is {RECORD_NAME}."
+    assert findings[4].sentence == "Round 1 (practice): in 1 run, the seed follows from the key."
     assert findings[-2].sentence == (
         "Round 3 (final): the standings of 4 finalists follow from the scores."
     )
@@ -114,6 +115,8 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
         (("frozen_sha256",), "0" * 64, "frozen document does not have the SHA-256"),
         (("rounds", 1, "key"), "0" * 64, "Round 2 (qualification): its key does not belong"),
         (("rounds", 1, "commitment"), "0" * 64, "(qualification): its key does not belong"),
+        (("files", "current_record"), "another", "current_record is another one than record@"),
+        (("files", "vehicle"), "mine", "No setting names the file that is here for vehicle."),
         (("competition",), "wreck", "in 10 of 10 runs, the seed does not follow"),
         (("entries", 0, "seed"), 5, "(practice): in 1 of 1 run, the seed does not follow from"),
         (
@@ -160,6 +163,30 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
 )
 def test_what_is_wrong_is_said(path: Path, value: Any, sentence: str) -> None:
     assert any(sentence in each for each in problems(changed(path, value)))
+
+
+def test_a_file_of_the_organisers_that_is_missing_is_said() -> None:
+    document = changed(("files",), {})
+
+    assert problems(document) == []
+    assert warnings(document) == [
+        "The file of the setting current_record is not here: its runs need it."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("files", "sentence"),
+    [
+        (None, "files is no object"),
+        ({"levels": "0"}, "files has the unknown field 'levels'"),
+        ({"current_record": 5}, "current_record is no text of at most"),
+        ({"current_record": "\ud800"}, "current_record is no text of at most"),
+        ({"vehicle": "x" * (audit_document.FILE_BYTES_MAX + 1)}, "vehicle is no text of at most"),
+    ],
+)
+def test_files_that_are_none_are_refused(files: Any, sentence: str) -> None:
+    with pytest.raises(AuditInvalid, match=sentence):
+        read(changed(("files",), files))
 
 
 def test_a_finalist_that_is_better_on_other_trials_gets_another_place() -> None:

@@ -7,8 +7,8 @@ from typing import Any
 from seamark.competitions import audit
 from seamark.competitions.findings import Level
 from seamark.server.judging import audit_file
-from tests.cast import Backend
-from tests.server.judging.cup import FINAL, QUALIFICATION, Cup
+from tests.cast import RECORD, VEHICLE, Backend
+from tests.server.judging.cup import FINAL, QUALIFICATION, Cup, values
 from tests.server.judging.test_finals import APART, MIXED, SAME
 
 
@@ -16,7 +16,7 @@ def document_of(cup: Cup) -> dict[str, Any]:
     cup.freeze_again()
     view = cup.view
     with cup.backend.database.reading() as session:
-        made = audit_file.audit_of(session, view)
+        made = audit_file.audit_of(session, view, cup.backend.settings)
     restored: dict[str, Any] = json.loads(json.dumps(made))
     return restored
 
@@ -46,6 +46,28 @@ def test_the_audit_of_a_decided_competition_holds(both: Backend) -> None:
     assert problems(document) == []
     assert document["standings"]["batches"] == 2
     assert {entry["team"] for entry in document["entries"]} >= {"Team ann", None}
+
+
+def test_the_audit_has_the_files_of_the_organiser_once_a_round_is_decided(
+    backend: Backend,
+) -> None:
+    """Before, they are as hidden as its entries."""
+    files = {"vehicle": backend.store_vehicle(), "files": (backend.store_record(),)}
+    cup = Cup.opened(backend, rounds=values()["rounds"][1:2], **files)
+    before = document_of(cup)
+    cup.shift(1, closes_in_s=0.0)
+    cup.advance()
+    after = document_of(cup)
+
+    assert before["files"] == {}
+    assert after["files"] == {"vehicle": VEHICLE, "current_record": RECORD}
+    assert problems(after) == []
+    named = [each.sentence for each in audit.verify(after) if "of the setting" in each.sentence]
+    settings = cup.asked.settings
+    assert named == [
+        f"The file of the setting {name} is {settings[name]}."
+        for name in ("current_record", "vehicle")
+    ]
 
 
 def test_another_score_in_the_audit_is_found(backend: Backend) -> None:
