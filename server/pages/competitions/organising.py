@@ -18,8 +18,7 @@ from seamark.server.competitions.competitions import REASON_MAX, CompetitionView
 from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.judging import check, drafts
 from seamark.server.pages.competitions import draft_form, submitted_draft, wording
-from seamark.server.pages.submission import submitted_vehicle
-from seamark.server.programs.vehicles import StoredVehicle
+from seamark.server.pages.competitions.submitted_draft import Brought
 from seamark.server.runs.ending import deletion
 from seamark.server.web import (
     access,
@@ -63,15 +62,15 @@ def create() -> ResponseReturnValue:
     """Make a draft and have it checked, or show the form again with the errors."""
     user_id = access.require_account(Action.ORGANISE)
     posted, settings = body_limits.form_fields(), services().settings
-    vehicle: StoredVehicle | None = None
+    brought = Brought()
     try:
-        vehicle = submitted_draft.vehicle(posted)
-        draft = submitted_draft.read(posted, vehicle, earlier=None)
+        submitted_draft.store(posted, brought)
+        draft = submitted_draft.read(posted, brought, earlier=None)
         with services().database.writing() as session:
             name = drafts.create(session, user_id, draft, settings)
             access.record(session, AuditAction.COMPETITION_CREATED, name)
     except (DocumentInvalid, *submitted_draft.REFUSALS) as refusal:
-        return _form(posted, _errors(refusal), vehicle=vehicle), 422
+        return _form(posted, _errors(refusal), brought=brought), 422
     services().wake_worker()
     return _show(name)
 
@@ -89,15 +88,15 @@ def change(name: str) -> ResponseReturnValue:
     """Replace a draft and have it checked again, or show the form again with the errors."""
     competition = _draft(name)
     posted, settings = body_limits.form_fields(), services().settings
-    vehicle: StoredVehicle | None = None
+    brought = Brought()
     try:
-        vehicle = submitted_draft.vehicle(posted)
-        draft = submitted_draft.read(posted, vehicle, earlier=competition)
+        submitted_draft.store(posted, brought)
+        draft = submitted_draft.read(posted, brought, earlier=competition)
         with services().database.writing() as session:
             forgotten = drafts.change(session, competition, draft, settings)
     except (DocumentInvalid, *submitted_draft.REFUSALS) as refusal:
         errors = _errors(refusal)
-        return _form(posted, errors, competition=competition, vehicle=vehicle), 422
+        return _form(posted, errors, competition=competition, brought=brought), 422
     deletion.remove_files(settings, forgotten)
     services().wake_worker()
     return _show(draft.document.name)
@@ -234,7 +233,7 @@ def _form(
     errors: Mapping[str, str] | None = None,
     *,
     competition: CompetitionView | None = None,
-    vehicle: StoredVehicle | None = None,
+    brought: Brought | None = None,
     is_fresh: bool = False,
 ) -> str:
     return render_template(
@@ -252,7 +251,7 @@ def _form(
         ties=TIE_CHOICES,
         picture_max=drafts.PICTURE_MAX_BYTES,
         libraries=LIBRARIES,
-        kept=vehicle and {"name": vehicle.name, "token": submitted_vehicle.token(vehicle)},
+        kept={} if brought is None else brought.tokens(errors or {}),
     )
 
 

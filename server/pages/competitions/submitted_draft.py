@@ -1,6 +1,7 @@
 """The draft in a posted form: its fields or a TOML file, with picture, vehicle and other files."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, BinaryIO, NamedTuple, cast
 
 from flask import g, request
@@ -12,7 +13,7 @@ from seamark.server.competitions.refusals import CompetitionRefused
 from seamark.server.judging import drafts, entries
 from seamark.server.judging.drafts import Draft
 from seamark.server.pages.competitions import draft_form
-from seamark.server.pages.submission import submitted_vehicle
+from seamark.server.pages.submission import kept_files, submitted_vehicle
 from seamark.server.programs import own_files, vehicles
 from seamark.server.programs.own_files import FileRejected, StoredFile
 from seamark.server.programs.vehicles import StoredVehicle, VehicleRejected
@@ -36,30 +37,65 @@ _FILES = {  # entry with the path of a file beside a TOML file -> field of the f
 REFUSALS = (CompetitionRefused, SubmissionRejected, QuotaExceeded, StorageUnavailable)
 
 
-def vehicle(posted: Mapping[str, str]) -> StoredVehicle | None:
-    """Store the vehicle of the form; None if there is no file and none was kept.
+@dataclass
+class Brought:
+    """What came with a form and is stored: the next form keeps it."""
+
+    vehicle: StoredVehicle | None = None
+    files: dict[str, StoredFile] = field(default_factory=dict)  # setting -> file
+
+    def tokens(self, errors: Mapping[str, str]) -> dict[str, str]:
+        """Return the hidden fields of what is kept: not of a file for which there is no setting."""
+        fields = {
+            kept_files.field(name): kept_files.token(name, file.name, file.sha256)
+            for name, file in self.files.items()
+            if name not in errors
+        }
+        if self.vehicle is not None:
+            fields[submitted_vehicle.KEPT] = submitted_vehicle.token(self.vehicle)
+            fields[submitted_vehicle.KEPT_NAME] = self.vehicle.name
+        return fields
+
+
+def store(posted: Mapping[str, str], brought: Brought) -> None:
+    """Store the files of the form, and take those that it has kept.
 
     Raises
     ------
     DocumentInvalid, SubmissionRejected, QuotaExceeded, StorageUnavailable
-        It cannot run, or cannot be stored.
+        One cannot be used, or cannot be stored.
     """
     kept = posted.get(submitted_vehicle.KEPT_NAME, "")
     try:
-        return submitted_vehicle.save({vehicles.FIELD: kept}, posted)
+        brought.vehicle = submitted_vehicle.save({vehicles.FIELD: kept}, posted)
+        for setting in LIBRARIES:
+            if (file := _file(setting, posted)) is not None:
+                brought.files[setting] = file
     except VehicleRejected as rejected:
         raise DocumentInvalid({submitted_vehicle.FILE: rejected.shortened}) from None
+    except FileRejected as rejected:
+        raise DocumentInvalid({rejected.field: str(rejected)}) from None
 
 
-def read(
-    posted: Mapping[str, str], brought: StoredVehicle | None, *, earlier: CompetitionView | None
-) -> Draft:
+def _file(setting: str, posted: Mapping[str, str]) -> StoredFile | None:
+    sent = _sent(setting)
+    if sent is not None:
+        stream, name = cast(BinaryIO, sent.stream), sent.filename or ""
+        return uploads.store_file(stream, name, setting=setting, viewer=g.viewer)
+    kept = kept_files.kept(setting, posted.get(kept_files.field(setting), ""))
+    if kept is None:
+        return None
+    (file,) = own_files.stored({setting: kept.sha256}, {setting: kept.name}, services().settings)
+    return file
+
+
+def read(posted: Mapping[str, str], brought: Brought, *, earlier: CompetitionView | None) -> Draft:
     """Return the draft of the form.
 
     Parameters
     ----------
     brought
-        The vehicle of the form.
+        The files of the form.
     earlier
         The draft that it changes, whose settings it may keep.
 
@@ -75,7 +111,8 @@ def read(
     task = _task(posted, earlier)
     values |= {"benchmark": task.benchmark, "settings": task.settings}
     try:
-        return _draft(values, brought or task.vehicle, task.files)
+        files = {one.setting: one for one in task.files} | brought.files
+        return _draft(values, brought.vehicle or task.vehicle, files)
     except DocumentInvalid as invalid:
         errors = dict[str, str]()
         for place, text in invalid.errors.items():
@@ -86,25 +123,25 @@ def read(
         raise DocumentInvalid(errors) from None
 
 
-def _of_file(content: bytes, brought: StoredVehicle | None) -> Draft:
+def _of_file(content: bytes, brought: Brought) -> Draft:
     try:
         values = read_toml(content)
         _require_files(values, brought)
-        return _draft({name: values[name] for name in values.keys() - _FILES.keys()}, brought)
+        others = {name: values[name] for name in values.keys() - _FILES.keys()}
+        return _draft(others, brought.vehicle, brought.files)
     except TomlRefused as refusal:
         raise DocumentInvalid({DOCUMENT: str(refusal)}) from None
     except DocumentInvalid as invalid:
         files = _FILES.values()
         errors = {name: invalid.errors[name] for name in files if name in invalid.errors}
-        others = [f"{at}: {text}" for at, text in invalid.errors.items() if at not in files]
-        raise DocumentInvalid(errors | ({DOCUMENT: " ".join(others)} if others else {})) from None
+        rest = [f"{at}: {text}" for at, text in invalid.errors.items() if at not in files]
+        raise DocumentInvalid(errors | ({DOCUMENT: " ".join(rest)} if rest else {})) from None
 
 
-def _require_files(values: Mapping[str, Any], brought: StoredVehicle | None) -> None:
+def _require_files(values: Mapping[str, Any], brought: Brought) -> None:
     """Refuse a file that names others beside it which the form does not have."""
-    there = {name: _sent(field) is not None for name, field in _FILES.items()}
-    there[vehicles.FIELD] = brought is not None
-    missing = [name for name in there if values.get(name) and not there[name]]
+    there = {PICTURE: _sent(PICTURE), vehicles.FIELD: brought.vehicle} | dict(brought.files)
+    missing = [name for name in _FILES if values.get(name) and there.get(name) is None]
     if missing:
         raise DocumentInvalid(
             {
@@ -115,16 +152,11 @@ def _require_files(values: Mapping[str, Any], brought: StoredVehicle | None) -> 
 
 
 def _draft(
-    values: Mapping[str, Any], own: StoredVehicle | None, kept: tuple[StoredFile, ...] = ()
+    values: Mapping[str, Any], own: StoredVehicle | None, files: Mapping[str, StoredFile]
 ) -> Draft:
     file = _sent(PICTURE)
     picture = None if file is None else file.stream.read(drafts.PICTURE_MAX_BYTES + 1)
-    files = {one.setting: one for one in kept}
     try:
-        for setting in LIBRARIES:
-            if (sent := _sent(setting)) is not None:
-                stream, name = cast(BinaryIO, sent.stream), sent.filename or ""
-                files[setting] = uploads.store_file(stream, name, setting=setting, viewer=g.viewer)
         return drafts.read(
             *(values, services().settings),
             vehicle=own,

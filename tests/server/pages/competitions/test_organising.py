@@ -127,19 +127,53 @@ def test_a_name_that_the_title_would_give_is_not_asked_for(site: Site) -> None:
     assert 'id="name-error"' not in page
 
 
-def test_a_vehicle_stays_when_something_else_was_wrong(site: Site) -> None:
-    first = form(title="", vehicle_file=file(VEHICLE.encode(), "v.toml"))
+def kept_in(page: str) -> dict[str, str]:
+    """Return the hidden fields by which a form keeps files."""
+    return dict(re.findall(r'name="(kept_\w*)" value="([^"]+)"', page))
+
+
+def test_the_files_of_settings_stay_when_something_else_was_wrong(site: Site) -> None:
+    files = {"vehicle_file": file(VEHICLE.encode(), "v.toml")}
+    files["current_record"] = file(RECORD.encode(), "r.csv")
     multipart = {"content_type": "multipart/form-data"}
     olga = site.browser("olga")
 
-    page = olga.post("/competitions/new", first, **multipart).text
-    kept = dict(re.findall(r'name="(kept_vehicle\w*)" value="([^"]+)"', page))
-    olga.post("/competitions/new", form(**kept), **multipart)
+    page = olga.post("/competitions/new", form(title="", **files), **multipart).text
+    again = olga.post("/competitions/new", form(title="", **kept_in(page)), **multipart).text
+    olga.post("/competitions/new", form(**kept_in(again)), **multipart)
 
+    assert again.count("The file that you chose before has been kept.") == 2
     made = found(site)
     assert made is not None
     assert made.vehicle_sha256 is not None
-    assert "vehicle" in made.document.settings
+    assert set(made.files) == {"current_record"}
+    assert {"vehicle", "current_record"} <= made.document.settings.keys()
+
+
+def test_a_file_without_its_setting_in_the_benchmark_is_not_kept(site: Site) -> None:
+    """Else nobody could choose none instead."""
+    sent = form(target_texture=file(MARKER, "a.pgm"))  # of the benchmark of currents
+    multipart = {"content_type": "multipart/form-data"}
+
+    page = site.browser("olga").post("/competitions/new", sent, **multipart).text
+
+    assert 'id="target_texture-error"' in page
+    assert kept_in(page) == {}
+
+
+def test_a_kept_file_belongs_to_its_sender_and_to_its_setting(site: Site) -> None:
+    multipart = {"content_type": "multipart/form-data"}
+    sent = form(title="", current_record=file(RECORD.encode(), "r.csv"))
+    page = site.browser("olga").post("/competitions/new", sent, **multipart).text
+    text = kept_in(page)["kept_current_record"]
+
+    for who, field in (("root", "kept_current_record"), ("olga", "kept_target_texture")):
+        site.browser(who).post("/competitions/new", form(**{field: text}), **multipart)
+        made = found(site)
+        assert made is not None
+        assert made.files == {}
+        with site.database.writing() as session:
+            competitions.remove_draft(session, made)
 
 
 def test_the_settings_of_a_practice_run_become_those_of_the_competition(site: Site) -> None:
