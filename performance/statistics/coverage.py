@@ -16,10 +16,10 @@ import scipy  # its parts are loaded when they are used
 
 from performance.statistics.population import stored
 from performance.tables import markdown_table
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.runs.record.trial_scores import block_of
 from seamark.sim.benchmarks.currents_v3.azimuths import QUARTER, STRATA, STRIDE
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.ranking import Estimate, Population
 from seamark.sim.numerics.statistics import mean_interval
 from seamark.sim.settings.two_vehicles import MEASURED
 

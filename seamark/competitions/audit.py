@@ -21,8 +21,10 @@ from seamark.competitions.audit_document import (
 from seamark.competitions.document import AnyRound, CompetitionDocument, Final, RoundKind, digest_of
 from seamark.competitions.findings import Finding, Level
 from seamark.competitions.keys import commitment, final_label, seed
-from seamark.competitions.standings import Finalist, Placing, Standings, decide
+from seamark.competitions.scores import summary
+from seamark.competitions.standings import Finalist, Placing, Standings, Ties, decide
 from seamark.sim import registry
+from seamark.sim.numerics.ranking import Estimate, rank_ranges
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.settings import own_files
 
@@ -30,6 +32,7 @@ from seamark.sim.settings import own_files
 # of 200 finalists with five batches of 24 trials has 7e6.
 WORK_MAX = 1e8
 FINALISTS_MAX = 2000
+METHODS_MAX = 5000  # of a competition without a final
 SHOWN = 10  # runs that a sentence names
 _ROUNDING = 1e-9  # of scores: another program may add in another order
 
@@ -52,8 +55,14 @@ def verify(document: Mapping[str, Any]) -> list[Finding]:
         findings += _runs(each, entries[each.number])
         if each.kind == RoundKind.FINAL:
             findings += _final(audit, each, entries[each.number])
-    if audit.standings is not None and all(each.kind != RoundKind.FINAL for each in audit.rounds):
+    has_final = any(each.kind == RoundKind.FINAL for each in audit.rounds)
+    if audit.standings is not None and not has_final:
         findings.append(_problem("There are standings of a final, but no final."))
+    if audit.board is not None and has_final:
+        findings.append(_problem("There are places of a qualification, but the final decides."))
+    for each in audit.rounds:
+        if each.kind == RoundKind.QUALIFICATION and not has_final:
+            findings.append(_board(audit, each, entries[each.number]))
     return findings
 
 
@@ -246,8 +255,48 @@ def _final(audit: Audit, final: Round, entries: Sequence[Entry]) -> Iterator[Fin
             f"of {final.trials} trials"
         )
     looks = [_standings(final, finalists, batch) for batch in range(1, batches + 1)]
-    yield _compared(final, audit.standings.placings, looks[-1])
+    yield _compared(final, audit.standings.placings, looks[-1].placings)
     yield _ended(final, looks, says=audit.standings.separated)
+
+
+def _board(audit: Audit, played: Round, entries: Sequence[Entry]) -> Finding:
+    """Whether the places of a competition without a final follow from the scores."""
+    if audit.board is None:
+        return Finding(Level.WARNING, f"{_name(played)}: it has no places yet.")
+    best: dict[tuple[str, str], Entry] = {}
+    for entry in sorted(entries, key=_by_score):
+        if entry.team is not None and entry.scores is not None:
+            best.setdefault((entry.team, entry.method.casefold()), entry)
+    if len(best) > METHODS_MAX:
+        raise AuditInvalid(f"round {played.number} is too large to be checked: {len(best)} methods")
+    rows = [*best.values()]
+    results = [summary(entry.scores or (), played.block) for entry in rows]
+    ranges = rank_ranges(
+        [
+            Estimate(score=one.score or 0.0, standard_error=one.standard_error, degrees=one.degrees)
+            for one in results
+        ]
+    )
+    computed = [
+        Placing(
+            key=entry.key,
+            place=low if played.ties == Ties.SHARED else place,
+            place_low=low,
+            place_high=high,
+            score=result.score,
+            score_low=result.low,
+            score_high=result.high,
+        )
+        for place, (entry, result, (low, high)) in enumerate(
+            zip(rows, results, ranges, strict=True), 1
+        )
+    ]
+    return _compared(played, audit.board, computed)
+
+
+def _by_score(entry: Entry) -> tuple[float, float, int]:
+    """Return by what entries are ordered: the best first, of equal ones the earlier one."""
+    return -(entry.score or 0.0), entry.submitted_at, entry.run
 
 
 def _misfits(
@@ -303,21 +352,22 @@ def _scores(runs: Mapping[int, Entry], batches: int) -> list[float] | None:
     return scores
 
 
-def _compared(final: Round, stated: Sequence[Placing], computed: Standings) -> Finding:
-    keys = [each.key for each in computed.placings]
+def _compared(played: Round, stated: Sequence[Placing], computed: Sequence[Placing]) -> Finding:
+    name, keys = _name(played), [each.key for each in computed]
     if [each.key for each in stated] != keys:
         return _problem(
-            f"{_name(final)}: the order of the standings does not follow from the scores, which "
-            f"give {_listed(keys)} (keys of the finalists, the best first)."
+            f"{name}: the order of the standings does not follow from the scores, which give "
+            f"{_listed(keys)} (keys of the entries, the best first)."
         )
-    pairs = zip(stated, computed.placings, strict=True)
+    pairs = zip(stated, computed, strict=True)
     wrong = [one.key for one, other in pairs if not _same_placing(one, other)]
     if wrong:
         return _problem(
-            f"{_name(final)}: places, ranges or scores do not follow from the scores of the trials "
-            f"for the finalists {_listed(wrong)}."
+            f"{name}: places, ranges or scores do not follow from the scores of the trials for the "
+            f"entries {_listed(wrong)}."
         )
-    return _good(f"{_name(final)}: the standings of {len(keys)} finalists follow from the scores.")
+    entries = f"{len(keys)} {'entry' if len(keys) == 1 else 'entries'}"
+    return _good(f"{name}: the standings of {entries} follow from the scores.")
 
 
 def _same_placing(one: Placing, other: Placing) -> bool:

@@ -102,6 +102,8 @@ class Audit:
     rounds: Sequence[Round]
     entries: Sequence[Entry]
     standings: Decision | None  # of the final; None before its end
+    # Of the qualification, one for each method, if it decides; None before that.
+    board: Sequence[Placing] | None
 
 
 def as_document(audit: Audit) -> dict[str, Any]:
@@ -162,6 +164,7 @@ def read(document: Mapping[str, Any]) -> Audit:
             for at, each in enumerate(fields.list("entries", ENTRIES_MAX), 1)
         ],
         standings=fields.optional("standings", lambda: _decision(fields)),
+        board=fields.optional("board", lambda: _placings(fields, "board")),
     )
     fields.end()
     _check_references(audit)
@@ -239,13 +242,17 @@ def _decision(fields: "_Fields") -> Decision:
     read = Decision(
         batches=inner.whole("batches", 1, TRIALS_MAX),
         separated=inner.flag("separated"),
-        placings=[
-            _placing(_Fields(each, f"placing {at}"))
-            for at, each in enumerate(inner.list("placings", ENTRIES_MAX), 1)
-        ],
+        placings=_placings(inner, "placings"),
     )
     inner.end()
     return read
+
+
+def _placings(fields: "_Fields", name: str) -> list[Placing]:
+    return [
+        _placing(_Fields(each, f"placing {at}"))
+        for at, each in enumerate(fields.list(name, ENTRIES_MAX), 1)
+    ]
 
 
 def _placing(fields: "_Fields") -> Placing:

@@ -13,12 +13,13 @@ from sqlalchemy.orm import Session, undefer
 from seamark.competitions import audit_document
 from seamark.competitions.audit_document import Audit, Decision
 from seamark.competitions.document import Final, Programs
+from seamark.competitions.standings import Placing
 from seamark.server.competitions import teams
 from seamark.server.competitions.competitions import CompetitionView, RoundView
 from seamark.server.database.competition_tables import Entry
 from seamark.server.database.tables import Result, Run
+from seamark.server.judging import boards, finals
 from seamark.server.judging import entries as organisers
-from seamark.server.judging import finals
 from seamark.server.programs import vehicles
 from seamark.server.runs.record import run_parts, seeds
 from seamark.server.runs.record.trial_scores import block_of
@@ -43,6 +44,7 @@ def audit_of(session: Session, competition: CompetitionView, settings: Settings)
             rounds=rounds,
             entries=entries,
             standings=_decision(session, competition) if has_ended else None,
+            board=_board(session, competition),
         )
     )
 
@@ -119,3 +121,22 @@ def _decision(session: Session, competition: CompetitionView) -> Decision | None
     return Decision(
         batches=competition.final.batches, separated=table.separated, placings=table.placings
     )
+
+
+def _board(session: Session, competition: CompetitionView) -> list[Placing] | None:
+    """Return the places of a competition that was decided without a final."""
+    if competition.final is not None or competition.ended_at is None:
+        return None
+    board = boards.board(session, competition, competition.deciding, by_method=True)
+    return [
+        Placing(
+            key=row.run_id,
+            place=row.place,
+            place_low=row.place_low,
+            place_high=row.place_high,
+            score=row.score,
+            score_low=row.low,
+            score_high=row.high,
+        )
+        for row in board.rows
+    ]

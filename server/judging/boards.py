@@ -1,17 +1,15 @@
 """Boards of rounds: the best entry of each team or of each method, with ranges of ranks."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from seamark.server.competitions import teams
 from seamark.server.competitions.competitions import CHECK, CompetitionView, RoundView
 from seamark.server.database.competition_tables import Entry, FinalPlace, Round
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
+from seamark.sim.numerics.ranking import Estimate, rank_ranges
 
 ROWS_MAX = 5000
 
@@ -111,26 +109,16 @@ def _best(
 
 def _ranked(rows: Sequence[BoardRow]) -> tuple[BoardRow, ...]:
     """Return rows with their places: each had water of its own, so they are independent."""
-    if not rows:
-        return ()
-    scores = np.array([row.score for row in rows], dtype=float)
-    people = Population(
-        low=scores,
-        high=scores,
-        standard_error=np.array(
-            [math.inf if row.standard_error is None else row.standard_error for row in rows]
-        ),
-        degrees=np.array([row.degrees for row in rows], dtype=float),
-        counts=np.ones(len(rows), dtype=np.int64),
-    )
-    ranked = []
-    for place, row in enumerate(rows, start=1):
-        estimate = Estimate(
-            score=row.score or 0.0, standard_error=row.standard_error, degrees=row.degrees
+    estimates = [
+        Estimate(score=row.score or 0.0, standard_error=row.standard_error, degrees=row.degrees)
+        for row in rows
+    ]
+    return tuple(
+        replace(row, place=place, place_low=low, place_high=high)
+        for place, (row, (low, high)) in enumerate(
+            zip(rows, rank_ranges(estimates), strict=True), 1
         )
-        low, high = people.rank_range(estimate)
-        ranked.append(replace(row, place=place, place_low=low, place_high=high))
-    return tuple(ranked)
+    )
 
 
 def _references(session: Session, competition: CompetitionView) -> list[BoardRow]:

@@ -16,6 +16,7 @@ from sqlalchemy.orm import Session, undefer
 
 from seamark.competitions import keys, standings
 from seamark.competitions.document import Carry, Final, Programs, RoundKind
+from seamark.competitions.scores import EntryScore, summary
 from seamark.competitions.standings import Finalist, Placing, Standings, Ties
 from seamark.programs.failure_reasons import FailureReason
 from seamark.server.competitions import competitions
@@ -26,8 +27,7 @@ from seamark.server.database.tables import Run
 from seamark.server.judging import boards
 from seamark.server.runs.publication import publications
 from seamark.server.runs.publication.publications import Terms
-from seamark.server.runs.record import copies, entries, turns
-from seamark.server.runs.record.entries import EntryScore
+from seamark.server.runs.record import copies, turns
 from seamark.server.runs.record.states import LIVE, RunState
 from seamark.server.runs.record.trial_scores import block_of
 from seamark.server.settings import Settings
@@ -253,7 +253,7 @@ def _joined(session: Session, competition: CompetitionView, batches: Sequence[En
     if failed is not None:
         return EntryScore(refusal=failed.refusal or _why_failed(session, failed))
     scores = [score for entry in batches for score in entry.scores or ()]
-    return entries.summary(competition.document.benchmark, scores)
+    return summary(scores, block_of(competition.document.benchmark))
 
 
 def _why_failed(session: Session, entry: Entry) -> str:

@@ -25,8 +25,8 @@ from seamark.server.runs.leaderboard import leaderboard, leaderboard_filters, sc
 from seamark.server.runs.leaderboard.board_rows import Cursor
 from seamark.server.runs.leaderboard.leaderboard_filters import ONLY, BoardFilter
 from seamark.server.runs.leaderboard.per import Per
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.settings import Settings
+from seamark.sim.numerics.ranking import Estimate, Population
 
 PEOPLE = 1_000_000
 NAME = "currents-v1"

@@ -32,7 +32,6 @@ from seamark.server.runs.leaderboard.leaderboard_filters import (
     BoardPage,
 )
 from seamark.server.runs.leaderboard.per import Per
-from seamark.server.runs.leaderboard.ranking import Population
 from seamark.server.runs.leaderboard.reference_entries import ReferenceEntry
 from seamark.server.runs.recomputation import verifications
 from seamark.server.runs.record.solutions import entry_name
@@ -40,6 +39,7 @@ from seamark.server.web import known_benchmarks
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
+from seamark.sim.numerics.ranking import Population
 from seamark.sim.settings.setting import schema_extras
 
 SIZE = 50

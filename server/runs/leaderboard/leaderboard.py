@@ -16,9 +16,9 @@ from seamark.server.database.tables import Best, BoardRow, Run, User, is_baselin
 from seamark.server.runs.leaderboard import score_counts
 from seamark.server.runs.leaderboard.board_rows import COLUMNS, Cursor, Rank
 from seamark.server.runs.leaderboard.per import Per
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.server.runs.record import anonymity
 from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.numerics.ranking import Estimate, Population
 
 
 def _selected(per: Per) -> Iterator[ColumnElement[Any]]:

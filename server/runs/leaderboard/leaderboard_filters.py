@@ -14,8 +14,8 @@ from seamark.server.runs.leaderboard import leaderboard
 from seamark.server.runs.leaderboard.board_rows import Cursor, Rank
 from seamark.server.runs.leaderboard.leaderboard import Key, Kind
 from seamark.server.runs.leaderboard.per import Per
-from seamark.server.runs.leaderboard.ranking import Population
 from seamark.sim.metrics.metric import Metric
+from seamark.sim.numerics.ranking import Population
 
 SEEN_MAX = 1000  # rows that a filtered page looks at
 SORTED_MAX = 500  # rows by score that are sorted by another metric

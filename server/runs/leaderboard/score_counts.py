@@ -20,8 +20,8 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.publication_tables import ScoreCount
 from seamark.server.runs.leaderboard.per import Per
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.ranking import Estimate, Population
 
 SINGLE_ROWS = 2000  # compare every row up to this many people, every class above
 CLASSES_PER_OCTAVE = 256

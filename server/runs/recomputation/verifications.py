@@ -29,7 +29,6 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Verification
 from seamark.server.database.tables import BestMethod, Result, Run
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.recomputation import rejudged
 from seamark.server.runs.record import turns
 from seamark.server.runs.record.states import LIVE, RunKind, RunState
@@ -37,6 +36,7 @@ from seamark.server.runs.record.trial_scores import error_of_score
 from seamark.server.settings import Settings
 from seamark.server.storage import storage
 from seamark.sim import registry
+from seamark.sim.numerics.ranking import Estimate
 from seamark.sim.numerics.statistics import welch_degrees
 from seamark.sim.numerics.student_t import quantile
 

@@ -9,7 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from seamark.competitions.document import Programs, RoundKind
-from seamark.competitions.scores import trial_scores
+from seamark.competitions.scores import EntryScore, summary, trial_scores
 from seamark.server.database.competition_tables import (
     Competition,
     Entry,
@@ -21,7 +21,6 @@ from seamark.server.database.tables import Run
 from seamark.server.runs.record.states import RunKind
 from seamark.server.runs.record.trial_scores import block_of
 from seamark.sim.metrics.score_expression import ExpressionInvalid
-from seamark.sim.numerics.statistics import block_means, mean, mean_interval, standard_error
 
 REFERENCE = "reference entry"  # in place of the name of a team
 
@@ -50,19 +49,6 @@ class EntryAccess:
         if user_id in self.members:
             return True
         return user_id == self.organiser_id and (self.organiser_reads or not program)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EntryScore:
-    """The score of an entry by the rules of its competition, or why it has none."""
-
-    refusal: str | None = None
-    scores: tuple[float, ...] = ()  # of the trials
-    score: float | None = None
-    low: float | None = None
-    high: float | None = None
-    standard_error: float | None = None
-    degrees: int = 0
 
 
 def access_of(session: Session, run: Run) -> EntryAccess | None:
@@ -143,21 +129,4 @@ def score(benchmark: str, config: Mapping[str, Any], metrics: Mapping[str, Any])
         return EntryScore(refusal=f"The score of the competition has no value: {error}")
     if not scores or not all(map(math.isfinite, scores)):
         return EntryScore(refusal="A trial has no finite score.")
-    return summary(benchmark, scores)
-
-
-def summary(benchmark: str, scores: Sequence[float]) -> EntryScore:
-    """Return the mean of the scores of trials with its 95 % interval."""
-    block = block_of(benchmark)
-    means = block_means(scores, block)
-    error = standard_error(means)
-    known = math.isfinite(error)
-    low, high = mean_interval(scores, block=block) or (None, None)
-    return EntryScore(
-        scores=tuple(scores),
-        score=mean(scores),
-        low=low,
-        high=high,
-        standard_error=error if known else None,
-        degrees=len(means) - 1 if known else 0,
-    )
+    return summary(scores, block_of(benchmark))

@@ -29,7 +29,7 @@ def test_a_sound_file_is_said_to_be_sound(tmp_path: Path) -> None:
     result = audited(tmp_path, changed())
 
     assert result.exit_code == 0
-    assert "good    Round 3 (final): the standings of 4 finalists follow" in result.stdout
+    assert "good    Round 3 (final): the standings of 4 entries follow" in result.stdout
     assert result.stdout.endswith("\nNothing is wrong with what can be checked.\n")
 
 

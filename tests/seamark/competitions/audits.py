@@ -1,6 +1,7 @@
 """A small competition and its audit document, in which everything is right."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -14,8 +15,8 @@ from seamark.competitions.audit_document import (
 from seamark.competitions.document import RoundKind, digest_of
 from seamark.competitions.document import read as read_document
 from seamark.competitions.keys import commitment, final_label, round_key, seed
-from seamark.competitions.standings import Finalist, Ties, decide
-from seamark.sim.numerics.statistics import mean
+from seamark.competitions.standings import Finalist, Placing, Ties, decide
+from seamark.sim.numerics.statistics import mean, mean_interval
 from seamark.sim.physics.water_motion import records
 from tests.cast import RECORD
 
@@ -132,8 +133,47 @@ def small() -> Audit:
         standings=Decision(
             batches=BATCHES, separated=standings.separated, placings=standings.placings
         ),
+        board=None,
     )
 
 
 def document() -> dict[str, Any]:
     return as_document(small())
+
+
+def without_final(ties: Ties = Ties.EARLIER) -> dict[str, Any]:
+    """Return the audit of a competition that its qualification decided, with two teams."""
+    base = small()
+    asked = frozen()
+    asked["rounds"], asked["ties"] = asked["rounds"][:2], ties
+    whole: dict[str, Any] = {"submitted_at": 2600.0, "team": "kelp"}
+    best, near, clear = (FINAL[key][0] or [] for key in (21, 22, 23))
+    entries = [
+        replace(entry(2, 31, near), method="Other", **whole),
+        replace(entry(2, 32, clear), **whole),  # a worse one of the method of 33
+        replace(entry(2, 33, best), method="pi", **whole),
+        entry(2, 34, near),  # the same scores as 31, earlier
+        entry(2, 35, clear),
+        entry(2, 36, None),
+        entry(2, 9, best, team=None),
+    ]
+    order = [(33, best), (34, near), (31, near), (35, clear)]
+    ranges = {33: (1, 3), 34: (1, 3), 31: (1, 3), 35: (4, 4)}
+    board = []
+    for place, (key, scores) in enumerate(order, 1):
+        low, high = mean_interval(scores) or (None, None)
+        first, last = ranges[key]
+        board.append(
+            Placing(
+                key=key,
+                place=first if ties is Ties.SHARED else place,
+                place_low=first,
+                place_high=last,
+                score=mean(scores),
+                score_low=low,
+                score_high=high,
+            )
+        )
+    rounds = [replace(one, ties=ties) for one in base.rounds[:2]]
+    changed: dict[str, Any] = {"frozen": asked, "frozen_sha256": digest_of(asked), "rounds": rounds}
+    return as_document(replace(base, **changed, entries=entries, standings=None, board=board))

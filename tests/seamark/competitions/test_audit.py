@@ -14,7 +14,7 @@ from seamark.competitions.audit_document import AuditInvalid, as_document, load,
 from seamark.competitions.document import digest_of
 from seamark.competitions.findings import Level
 from seamark.competitions.standings import Standings, Ties
-from tests.seamark.competitions.audits import RECORD_NAME, document, small
+from tests.seamark.competitions.audits import RECORD_NAME, document, small, without_final
 
 Path = tuple[str | int, ...]
 # What follows from nothing else in the document: what the service says.
@@ -85,7 +85,7 @@ def test_a_document_in_which_everything_is_right_has_only_good_findings() -> Non
     assert findings[2].sentence == f"The file of the setting current_record is {RECORD_NAME}."
     assert findings[4].sentence == "Round 1 (practice): in 1 run, the seed follows from the key."
     assert findings[-2].sentence == (
-        "Round 3 (final): the standings of 4 finalists follow from the scores."
+        "Round 3 (final): the standings of 4 entries follow from the scores."
     )
     assert findings[-1].sentence == (
         "Round 3 (final): it ended after 2 batches, since its ranks were separated."
@@ -149,10 +149,10 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
         (("standings", "batches"), 1, "finalist 21 has a run after the last batch, 1"),
         (("standings", "batches"), 3, "finalist 21 has no run in batch 3"),
         (("standings", "separated"), False, "after 2 batches its ranks are separated"),
-        (("standings", "placings", 0, "place_high"), 2, "for the finalists 21."),
-        (("standings", "placings", 1, "score"), 0.3, "for the finalists 22."),
-        (("standings", "placings", 1, "score_low"), None, "for the finalists 22."),
-        (("standings", "placings", 3, "place"), 4, "for the finalists 24."),
+        (("standings", "placings", 0, "place_high"), 2, "for the entries 21."),
+        (("standings", "placings", 1, "score"), 0.3, "for the entries 22."),
+        (("standings", "placings", 1, "score_low"), None, "for the entries 22."),
+        (("standings", "placings", 3, "place"), 4, "for the entries 24."),
         (("standings", "placings", 0, "key"), 22, "the order of the standings does not follow"),
         (("standings", "placings"), [], "give 21, 22, 23, 24 (keys"),
         (("entries", 4, "team"), "another", "finalist 21 is not the same submission in all"),
@@ -163,6 +163,40 @@ def test_every_value_that_follows_from_others_is_checked() -> None:
 )
 def test_what_is_wrong_is_said(path: Path, value: Any, sentence: str) -> None:
     assert any(sentence in each for each in problems(changed(path, value)))
+
+
+@pytest.mark.parametrize("ties", Ties)
+def test_places_without_a_final_follow_from_the_best_entry_of_each_method(ties: Ties) -> None:
+    document = json.loads(json.dumps(without_final(ties)))
+    findings = verify(document)
+
+    assert {each.level for each in findings} == {Level.GOOD}
+    assert findings[-1].sentence == (
+        "Round 2 (qualification): the standings of 4 entries follow from the scores."
+    )
+    for path in leaves(document["board"]):
+        wrong = copy.deepcopy(document)
+        at(wrong["board"], path[:-1])[path[-1]] = other(at(wrong["board"], path))
+        assert problems(wrong), path
+    missing = document | {"board": document["board"][1:]}
+    assert any("give 33, 34, 31, 35 (keys" in each for each in problems(missing))
+
+
+def test_places_that_are_missing_or_too_many_are_said() -> None:
+    document = json.loads(json.dumps(without_final()))
+    both = DOCUMENT | {"board": document["board"]}
+
+    assert warnings(document | {"board": None}) == [
+        "Round 2 (qualification): it has no places yet."
+    ]
+    assert problems(both) == ["There are places of a qualification, but the final decides."]
+
+
+def test_a_round_with_too_many_methods_is_not_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit, "METHODS_MAX", 3)
+
+    with pytest.raises(AuditInvalid, match="round 2 is too large to be checked: 4 methods"):
+        verify(without_final())
 
 
 def test_a_file_of_the_organisers_that_is_missing_is_said() -> None:
@@ -341,7 +375,7 @@ def test_the_rule_for_ties_is_applied() -> None:
 
     copies["rounds"][2]["ties"] = Ties.SHARED
 
-    assert any("for the finalists 22." in each for each in problems(copies))
+    assert any("for the entries 22." in each for each in problems(copies))
 
 
 @pytest.mark.parametrize("path", [*leaves(DOCUMENT)], ids=lambda path: ".".join(map(str, path)))

@@ -4,6 +4,8 @@ import copy
 import json
 from typing import Any
 
+import pytest
+
 from seamark.competitions import audit
 from seamark.competitions.findings import Level
 from seamark.server.judging import audit_file
@@ -68,6 +70,28 @@ def test_the_audit_has_the_files_of_the_organiser_once_a_round_is_decided(
         f"The file of the setting {name} is {settings[name]}."
         for name in ("current_record", "vehicle")
     ]
+
+
+@pytest.mark.parametrize("ties", ["earlier", "shared"])
+def test_the_audit_of_a_competition_without_a_final_proves_its_places(
+    both: Backend, ties: str
+) -> None:
+    cup = Cup.opened(both, rounds=values()["rounds"][1:2], ties=ties)
+    for who in ("ann", "eva", "ben"):
+        cup.team(who)
+    cup.entered("ann", [10.0, 11.0, 12.0], "PI")
+    cup.entered("ann", [40.0, 41.0, 42.0], "pi")
+    cup.entered("eva", [20.0, 21.0, 22.0], "MPC")
+    cup.entered("ben", [40.0, 41.0, 42.0], "LQR")
+    cup.fail(cup.submit("ben", "Broken"))
+    cup.shift(1, closes_in_s=0.0)
+    cup.advance()
+    document = document_of(cup)
+
+    assert problems(document) == []
+    assert [one["place"] for one in document["board"]] == [1, 1 if ties == "shared" else 2, 3]
+    sentence = "Round 1 (qualification): the standings of 3 entries follow from the scores."
+    assert sentence in [each.sentence for each in audit.verify(document)]
 
 
 def test_another_score_in_the_audit_is_found(backend: Backend) -> None:

@@ -13,10 +13,10 @@ from seamark.server.database.publication_tables import ScoreCount
 from seamark.server.database.tables import Best, User
 from seamark.server.runs.leaderboard import best_runs, leaderboard, score_counts
 from seamark.server.runs.leaderboard.board_rows import Cursor
-from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.publication import publications
 from seamark.server.runs.publication.publications import Terms
 from seamark.server.runs.record.states import RunKind, RunState
+from seamark.sim.numerics.ranking import Estimate
 from tests.cast import Backend
 
 NAME = "currents-v1"

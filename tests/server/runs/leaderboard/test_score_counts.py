@@ -4,7 +4,6 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.leaderboard.score_counts import (
     ERRORS_PER_OCTAVE,
     UNKNOWN_ERROR,
@@ -13,6 +12,7 @@ from seamark.server.runs.leaderboard.score_counts import (
     lower_ends,
     score_class,
 )
+from seamark.sim.numerics.ranking import Estimate
 
 scores = st.floats(-1e300, 1e300)
 

@@ -8,7 +8,6 @@ from sqlalchemy import select
 
 from seamark.server.database.tables import Run
 from seamark.server.runs.leaderboard import leaderboard
-from seamark.server.runs.leaderboard.ranking import Estimate
 from seamark.server.runs.publication import publications
 from seamark.server.runs.queue.queue import Claim
 from seamark.server.runs.recomputation import verifications
@@ -20,6 +19,7 @@ from seamark.server.runs.recomputation.verifications import (
 from seamark.server.runs.record import seeds
 from seamark.server.runs.record.states import RunState
 from seamark.sim import registry
+from seamark.sim.numerics.ranking import Estimate
 from seamark.sim.numerics.statistics import mean, mean_interval
 from tests.cast import Backend
 

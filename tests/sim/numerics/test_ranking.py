@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seamark.server.runs.leaderboard.ranking import Estimate, Population
+from seamark.sim.numerics.ranking import Estimate, Population
 from seamark.sim.numerics.student_t import quantile
 
 Row = tuple[float, float, int]  # score, standard error, degrees of freedom

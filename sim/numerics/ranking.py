@@ -8,6 +8,7 @@ Wilhelm 2024, https://doi.org/10.1093/restud/rdad006). docs/ranking.md explains 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -69,6 +70,20 @@ class Population:
         better = int(np.sum(self.counts, where=self.low - row.score > margin))
         worse = int(np.sum(self.counts, where=row.score - self.high > margin))
         return 1 + better, self.size - worse
+
+
+def rank_ranges(rows: Sequence[Estimate]) -> list[Range]:
+    """Return the ranks that each row may have if there are no others."""
+    scores = np.array([row.score for row in rows], dtype=float)
+    errors = [math.inf if row.standard_error is None else row.standard_error for row in rows]
+    population = Population(
+        low=scores,
+        high=scores,
+        standard_error=np.array(errors, dtype=float),
+        degrees=np.array([row.degrees for row in rows], dtype=float),
+        counts=np.ones(len(rows), dtype=np.int64),
+    )
+    return list(map(population.rank_range, rows))
 
 
 def _margins(own: tuple[float, float], errors: Array, degrees: Array, comparisons: int) -> Array:
