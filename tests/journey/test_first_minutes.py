@@ -23,6 +23,9 @@ def test_the_demo_plays_while_the_same_run_waits_or_runs_and_leads_to_it(visitor
     page = visitor.page
     visitor.open("/")
     expect(page.locator("img.poster")).to_have_js_property("complete", True)
+    # The processor draws here, so the replay waits until it is asked to go on.
+    expect(page.locator("[data-stage]")).to_have_attribute("data-pictures", DRAWN, timeout=RUN_MS)
+    page.get_by_role("button", name="Play").click()
     _is_drawn_on_and_on(page.locator("[data-stage]"))
 
     page.get_by_role("button", name="Watch a demo").click()

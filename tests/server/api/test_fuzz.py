@@ -161,8 +161,9 @@ def test_every_response_matches_the_openapi_document(
             break
 
     served = {operation for operation, status in answers if status < 400}
-    # An anonymous caller is refused by the classes and the administration, almost half of all.
-    assert len(served) > len(operations) / 5
+    # Not all requests are refused. An anonymous one is by classes, teams and the administration;
+    # what is drawn for the others, and so how many are served, depends on constants of our sources.
+    assert len(served) > len(operations) / 8
 
 
 def _cases(operation: Any) -> st.SearchStrategy[Any]:
