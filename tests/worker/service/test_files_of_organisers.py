@@ -47,19 +47,14 @@ def test_an_entry_gives_the_bytes_of_a_local_run_with_the_file(
     assert not records.LIBRARY.is_known(name)
 
 
-def test_an_entry_sees_the_picture_of_its_organiser_on_the_target(running: Service) -> None:
+def test_a_run_with_a_target_picture_gives_the_bytes_of_a_local_run(running: Service) -> None:
     picture = running.store_picture()
-    changes: Any = {"name": "vision-cup-v1", "benchmark": "visibility-v2", "settings": TRACKING}
-    cup = Cup.draft(running, files=(picture,), **changes)
-    with running.database.writing() as session:
-        check.request(session, cup.view, running.settings)
-    with running.database.reading() as session:
-        runs = [session.get_one(Run, run_id) for run_id in cup.live()]
-        run_id, seed = next((run.id, run.seed) for run in runs if run.config["tracker"] == "klt")
-    assert broker.send_tickets(running.app)
+    config = {**TRACKING, "target_texture": picture.name}
+    chosen: Any = {"benchmark": "visibility-v2", "controller": "built-in"}
+    run_id = running.submit(config, files=(picture,), **chosen)
 
     run = running.ended(run_id)
-    facts: Any = {"seed": seed, "trials": run.trials, "controller": run.controller}
+    facts: Any = {"seed": 3, "trials": run.trials, "controller": run.controller}
     with target_pictures.LIBRARY.lending(picture.content):
         here = evaluate_locally("visibility-v2", run.config, **facts)
     mixed = evaluate_locally("visibility-v2", {**run.config, "target_texture": "mixed"}, **facts)
