@@ -173,13 +173,12 @@ class AsyncClient:
         OSError
             A file cannot be read.
         """
-        given = {
+        files = {
             "picture": picture,
             "vehicle": vehicle,
             "current_record": current_record,
             "target_texture": target_texture,
         }
-        files = {name: file for name, file in given.items() if file is not None}
         call = self._calls.write_competition(document, files, replaces=replace)
         return await self._session.do(call)
 

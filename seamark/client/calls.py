@@ -176,13 +176,13 @@ class Calls:
         return self.document("GET", path, needs=("entries", "left"))
 
     def write_competition(
-        self, values: Mapping[str, Any], files: Mapping[str, str | Path], *, replaces: bool
+        self, values: Mapping[str, Any], files: Mapping[str, str | Path | None], *, replaces: bool
     ) -> Call[dict[str, Any]]:
-        """Make a draft, or replace the one of this name."""
+        """Make a draft, or replace the one of this name; with those files that are not None."""
         text = json.dumps(dict(values), default=_text_of_time)
         content: dict[str, Any] = {"content": text, "headers": {"Content-Type": _JSON}}
-        if files:
-            paths = {name: Path(file) for name, file in files.items()}
+        paths = {name: Path(file) for name, file in files.items() if file is not None}
+        if paths:
             parts = {name: (path.name, path.read_bytes()) for name, path in paths.items()}
             content = {"data": {"document": text}, "files": parts}
         method, path = "POST", "/competitions"

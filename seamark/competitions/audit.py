@@ -50,19 +50,18 @@ def verify(document: Mapping[str, Any]) -> list[Finding]:
     for entry in audit.entries:
         entries[entry.round].append(entry)
     findings = [_frozen(audit), *_plan(audit), *_files(audit)]
+    has_final = any(each.kind == RoundKind.FINAL for each in audit.rounds)
     for each in audit.rounds:
         findings += _keys(audit, each, entries[each.number])
         findings += _runs(each, entries[each.number])
         if each.kind == RoundKind.FINAL:
             findings += _final(audit, each, entries[each.number])
-    has_final = any(each.kind == RoundKind.FINAL for each in audit.rounds)
+        elif each.kind == RoundKind.QUALIFICATION and not has_final:
+            findings.append(_board(audit, each, entries[each.number]))
     if audit.standings is not None and not has_final:
         findings.append(_problem("There are standings of a final, but no final."))
     if audit.board is not None and has_final:
         findings.append(_problem("There are places of a qualification, but the final decides."))
-    for each in audit.rounds:
-        if each.kind == RoundKind.QUALIFICATION and not has_final:
-            findings.append(_board(audit, each, entries[each.number]))
     return findings
 
 

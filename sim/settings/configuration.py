@@ -22,6 +22,7 @@ from pydantic_core import ErrorDetails
 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.score_expression import ExpressionInvalid, check
+from seamark.sim.settings.own_files import ADVICE, LIBRARIES
 from seamark.sim.settings.refusal import ConfigurationInvalid
 from seamark.sim.settings.setting import (
     allowed_values,
@@ -83,13 +84,16 @@ class Configuration(BaseModel, ABC):
 
     @classmethod
     def accepts(cls, name: str, value: object) -> bool:
-        """Return whether a setting may have a value that is not one of its choices; no, here."""
-        return False
+        """Return whether a setting may have a value that is not one of its choices.
+
+        Here that is the file of a user's that this process knows.
+        """
+        return name in LIBRARIES and LIBRARIES[name].is_known(value)
 
     @classmethod
     def hint(cls, name: str, value: object) -> str:
-        """Return a sentence to add where a value is refused; none here."""
-        return ""
+        """Return a sentence to add where a value is refused: where a user's file can be used."""
+        return ADVICE[name] if name in LIBRARIES and LIBRARIES[name].is_meant(value) else ""
 
     @classmethod
     def preset(cls, name: str, value: object) -> Mapping[str, object]:

@@ -16,6 +16,12 @@ LIBRARIES: Mapping[str, Library[Any]] = {  # of all but vehicles, which have nam
 }
 
 
+ADVICE = {  # a sentence to add where a value of such a setting is refused
+    records.LIBRARY.setting: " A record of your own is chosen by its file: seamark run BENCHMARK "
+    "--set current_record=FILE.csv; `seamark current` writes such a file.",
+    target_pictures.LIBRARY.setting: " A picture of your own is chosen by its file: seamark run "
+    "BENCHMARK --set target_texture=FILE.png; a competition has that of its organiser.",
+}
 SETTINGS = (own.SETTING, *LIBRARIES)
 
 

@@ -13,10 +13,6 @@ from seamark.sim.settings.setting import setting
 
 current_setting = partial(setting, group="Current", role="scenario")
 NONE = "none"
-OWN_RECORD = (
-    " A record of your own is chosen by its file: seamark run BENCHMARK --set "
-    "current_record=FILE.csv; `seamark current` writes such a file."
-)
 
 
 class WaterMotionSettings(Configuration):
@@ -60,19 +56,6 @@ class WaterMotionSettings(Configuration):
         source="a fresh breeze over a bay",
         advanced=True,
     )
-
-    @classmethod
-    def accepts(cls, name: str, value: object) -> bool:
-        """Return whether a value is also a record of a user that this process has read."""
-        own = name == records.LIBRARY.setting and records.LIBRARY.is_known(value)
-        return own or super().accepts(name, value)
-
-    @classmethod
-    def hint(cls, name: str, value: object) -> str:
-        """Return where a record's file can be used."""
-        if name == records.LIBRARY.setting and records.LIBRARY.is_meant(value):
-            return OWN_RECORD
-        return super().hint(name, value)
 
     def is_tabulated(self) -> bool:
         """Return whether the water moves as a table has it."""

@@ -47,7 +47,7 @@ class Brought:
     def tokens(self, errors: Mapping[str, str]) -> dict[str, str]:
         """Return the hidden fields of what is kept: not of a file for which there is no setting."""
         fields = {
-            kept_files.field(name): kept_files.token(name, file.name, file.sha256)
+            kept_files.field(name): kept_files.token(name, file.sha256, file.name)
             for name, file in self.files.items()
             if name not in errors
         }
@@ -85,7 +85,8 @@ def _file(setting: str, posted: Mapping[str, str]) -> StoredFile | None:
     kept = kept_files.kept(setting, posted.get(kept_files.field(setting), ""))
     if kept is None:
         return None
-    (file,) = own_files.stored({setting: kept.sha256}, {setting: kept.name}, services().settings)
+    sha256, value = kept
+    (file,) = own_files.stored({setting: sha256}, {setting: value}, services().settings)
     return file
 
 

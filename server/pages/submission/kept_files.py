@@ -1,9 +1,9 @@
-"""Files of settings that a form keeps, since browsers do not send them again.
+"""Stored files that a form keeps, since browsers do not send them again when it has errors.
 
-As a program (`submitted_program`), a kept file is named by a signed field, valid for this user.
+A kept file is named by a hidden field, which is signed and valid for this user only.
 """
 
-from typing import NamedTuple
+from typing import Any
 
 from flask import g
 from itsdangerous import BadData, URLSafeTimedSerializer
@@ -11,36 +11,30 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 from seamark.server.programs import store
 from seamark.server.web.services import services
 
-VALID_S = store.UNUSED_KEPT_S / 2
+VALID_S = store.UNUSED_KEPT_S / 2  # of the hidden field
 
 
-class KeptFile(NamedTuple):
-    """A file in the store, and the value of the setting that it is for."""
-
-    name: str
-    sha256: str
-
-
-def field(setting: str) -> str:
+def field(what: str) -> str:
     """Return the name of the hidden field for the file of a setting."""
-    return f"kept_{setting}"
+    return f"kept_{what}"
 
 
-def token(setting: str, name: str, sha256: str) -> str:
-    """Return the value of the hidden field for a stored file."""
-    return str(_signer(setting).dumps([name, sha256, g.viewer.user_id]))
+def token(what: str, sha256: str, *more: object) -> str:
+    """Return the value of the hidden field for a stored file, and what else is known of it."""
+    return str(_signer(what).dumps([sha256, *more, g.viewer.user_id]))
 
 
-def kept(setting: str, text: str) -> KeptFile | None:
-    """Return the file of a hidden field if it belongs to this user and is still stored."""
+def kept(what: str, text: str) -> list[Any] | None:
+    """Return the values of a hidden field if they are this user's and the file is still stored."""
+    values: list[Any]
     try:
-        name, sha256, user_id = _signer(setting).loads(text, max_age=int(VALID_S))
+        *values, user_id = _signer(what).loads(text, max_age=int(VALID_S))
     except (BadData, ValueError):
         return None
-    if user_id != g.viewer.user_id or store.touch(services().settings, sha256) is None:
+    if user_id != g.viewer.user_id or store.touch(services().settings, values[0]) is None:
         return None
-    return KeptFile(name, sha256)
+    return values
 
 
-def _signer(setting: str) -> URLSafeTimedSerializer:
-    return URLSafeTimedSerializer(services().settings.secret_key, salt=f"kept {setting}")
+def _signer(what: str) -> URLSafeTimedSerializer:
+    return URLSafeTimedSerializer(services().settings.secret_key, salt=f"kept {what}")

@@ -1,28 +1,22 @@
-"""The program in a submitted form: a file, the editor's text, or a file from a previous attempt.
-
-Browsers do not send a file again when a form is shown with errors. The key of the stored program is
-then kept in a hidden field, signed and valid for this user only.
-"""
+"""The program in a submitted form: a file, the editor's text, or a file from a previous attempt."""
 
 import io
 from typing import BinaryIO, cast
 
 from flask import g, request
-from itsdangerous import BadData, URLSafeTimedSerializer
 
 from seamark.programs.parameters import Parameter
 from seamark.programs.preparation import UploadRejected
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.judging import entries
-from seamark.server.programs import store
+from seamark.server.pages.submission import kept_files
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.submission import validation
 from seamark.server.web import uploads
-from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
-VALID_S = store.UNUSED_KEPT_S / 2  # of the hidden field
-FIELD = "kept_program"
+_WHAT = "program"
+FIELD = kept_files.field(_WHAT)
 
 
 def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
@@ -49,9 +43,9 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 
 def token(program: StoredProgram, role: str) -> str:
     """Return the value of the field by which the form keeps a stored program."""
-    fields = [program.sha256, program.name, program.language, program.size]
+    fields = program.sha256, program.name, program.language, program.size
     declared = [one.to_json() for one in program.parameters]
-    return str(_signer().dumps([*fields, declared, role, g.viewer.user_id]))
+    return kept_files.token(_WHAT, *fields, declared, role)
 
 
 def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
@@ -72,17 +66,10 @@ def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgra
 
 def kept(text: str, role: str) -> StoredProgram | None:
     """Return the program that a form has kept if it is this user's and is still stored."""
-    try:
-        signed = _signer().loads(text, max_age=int(VALID_S))
-        sha256, name, language, size, declared, signed_role, user_id = signed
-    except (BadData, ValueError):
+    values = kept_files.kept(_WHAT, text)
+    if values is None:
         return None
-    if (signed_role, user_id) != (role, g.viewer.user_id):
-        return None
-    if store.touch(services().settings, sha256) is None:
+    sha256, name, language, size, declared, signed_role = values
+    if signed_role != role:
         return None
     return StoredProgram(sha256, name, language, size, tuple(map(Parameter.from_json, declared)))
-
-
-def _signer() -> URLSafeTimedSerializer:
-    return URLSafeTimedSerializer(services().settings.secret_key, salt="kept program")

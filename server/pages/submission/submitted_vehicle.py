@@ -35,10 +35,10 @@ def save(values: Mapping[str, object], posted: Mapping[str, str]) -> StoredVehic
     validation.require_permission(g.viewer, uploads="vehicle")
     if file is not None and file.filename:
         return uploads.store_vehicle(cast(BinaryIO, file.stream), file.filename, viewer=g.viewer)
-    kept = kept_files.kept(vehicles.FIELD, posted.get(KEPT, ""))
-    if kept is None or kept.name != chosen:
+    sha256, name = kept_files.kept(vehicles.FIELD, posted.get(KEPT, "")) or ("", "")
+    if not name or name != chosen:
         raise VehicleRejected("Choose the file of your vehicle again.")
-    return vehicles.stored(kept.name, kept.sha256, services().settings)
+    return vehicles.stored(name, sha256, services().settings)
 
 
 def without_lost(values: dict[str, object], vehicle: StoredVehicle | None) -> dict[str, object]:
@@ -49,4 +49,4 @@ def without_lost(values: dict[str, object], vehicle: StoredVehicle | None) -> di
 
 def token(vehicle: StoredVehicle) -> str:
     """Return the value of the hidden field for a stored vehicle."""
-    return kept_files.token(vehicles.FIELD, vehicle.name, vehicle.sha256)
+    return kept_files.token(vehicles.FIELD, vehicle.sha256, vehicle.name)

@@ -8,7 +8,6 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from seamark.sim.files import target_pictures
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking_losses import METRICS
 from seamark.sim.recording.telemetry import COLUMNS, WIDTH
@@ -26,10 +25,6 @@ motion_setting = partial(setting, group="Motion", role="scenario")
 
 _SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
 MIXED = "mixed"
-OWN_PICTURE = (
-    " A picture of your own is chosen by its file: seamark run BENCHMARK --set "
-    "target_texture=FILE.png; a competition has that of its organiser."
-)
 # Columns of the telemetry that this benchmark fills; the others stay 0.
 _FILLED = (
     *("trial", "level", "t", "x", "y", "z", "roll", "pitch", "yaw", "u", "v", "w", "p", "q", "r"),
@@ -212,19 +207,6 @@ class VisibilityConfiguration(RobustTrackerSettings):
     )
     camera_noise_grey: float = camera_noise_setting(group="Scene")
     light_stops: float = light_setting(group="Scene", of="trial")
-
-    @classmethod
-    def accepts(cls, name: str, value: object) -> bool:
-        """Return whether a value is also a picture of a user that this process has read."""
-        own = name == target_pictures.LIBRARY.setting and target_pictures.LIBRARY.is_known(value)
-        return own or super().accepts(name, value)
-
-    @classmethod
-    def hint(cls, name: str, value: object) -> str:
-        """Return where a picture of one's own can be used."""
-        if name == target_pictures.LIBRARY.setting and target_pictures.LIBRARY.is_meant(value):
-            return OWN_PICTURE
-        return super().hint(name, value)
 
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> message for the rules between several settings."""
